@@ -96,7 +96,7 @@ def _info(asked):
     examples=("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"),
 )
 def _plot(asked):
-    from damage.draw.run import save_all
+    from damage.draw.house import save_all
 
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 

@@ -5,8 +5,8 @@ Each function returns a matplotlib Figure; `save_all` writes those of a History,
 too.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -21,6 +21,7 @@ from damage.draw.wall import (
     shape_at,
     widest_line,
 )
+from damage.history.in_space import InSpace
 from damage.history.info import origin
 from damage.history.moments import (
     JOINT_STATES,
@@ -29,13 +30,12 @@ from damage.history.moments import (
     nearest_snapshot,
     state_codes,
 )
-from damage.history.reader import History
 from damage.index import THRESHOLD
 from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
 from damage.units import MILLIMETRE
-from damage.wall.geometry import displaced, kinds_of_bodies, tributary_ends
+from damage.wall.geometry import displaced, kinds_of_bodies
 from damage.wall.kinds import TINY
-from damage.wall.placing import FACES, box_corners, moved
+from damage.wall.placing import FACES
 
 COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.BLACK, style.ORANGE
 LINES = [(colour, line) for line in ("-", "--", ":", "-.") for colour in COLOURS]
@@ -64,91 +64,39 @@ def moment_of(history, sample):
     return sample, float(damage[sample]), nearest_snapshot(history, time_s)
 
 
-@dataclass(frozen=True)
-class HouseShape:
-    """Bodies and cracks of a house in space, at any of its samples."""
+def cracks(space, sample, snapshot, magnify=1.0):
+    """Cracks of both faces of all walls at a sample; space: InSpace.  Ends (n, 2, 3) [m], code of
+    JOINT_STATES (n,), width (n,) [m], the face's normal (n, 3), and the bodies of the joint, -1 the
+    ground (n, 2)."""
+    history, house, codes = space.history, space.history.house, joint_states(space.history, sample)
+    on_face = (house.joint_wall >= 0) & (np.abs(house.joint_y_m) > TINY)
+    chosen = np.flatnonzero(on_face & (codes > JOINT_STATES.index("broken")))
+    normals = history.placing.axes[house.joint_wall[chosen], 1]
+    return (
+        space.ends(snapshot, magnify, chosen),
+        codes[chosen],
+        widths(history, sample)[chosen],
+        np.sign(house.joint_y_m[chosen])[:, None] * normals,
+        space.joint_bodies[chosen],
+    )
 
-    history: History
 
-    @cached_property
-    def faces(self):
-        """(number of the wall, sign of y, History of the face) of all faces."""
-        signs = {face: self.history.placing.sign_of(face) for face in FACES}
-        return [
-            (number, int(signs[face][number]), part.of_face(face))
-            for number, part in enumerate(self.history.parts)
-            for face in FACES
-        ]
+def widths(history, sample):
+    """Crack widths of all contact points at a sample, (n_joints,) [m]."""
+    return np.hypot(history.opening_m[sample], history.slip_by("displacement")[sample], dtype=float)
 
-    @cached_property
-    def rest(self):
-        """Corners of the bodies in their walls, (n_bodies, 8, 3) [m]."""
-        thick = self.history.placing.thickness[self.history.house.body_wall]
-        return box_corners(self.history.bodies, thick)
 
-    def motion(self, snapshot):
-        """Of the bodies in a snapshot, None for at rest: (n_bodies, 3) in the planes of their
-        walls, and across them."""
-        if snapshot is None:
-            return np.zeros((2, len(self.rest), 3))
-        history = self.history
-        return history.displacement[snapshot].astype(float), history.house.out_of_plane[snapshot]
-
-    def corners(self, snapshot, magnify=1.0):
-        """Corners of the bodies in the house, (n_bodies, 8, 3) [m]."""
-        of = np.arange(len(self.rest))
-        places = moved(self.history.bodies, *self.motion(snapshot), of, self.rest, magnify)
-        return self.history.placing.in_house(self.history.house.body_wall, places)
-
-    def cracks(self, sample, snapshot, magnify=1.0):
-        """Cracks of all faces at a sample: ends (n, 2, 3) [m], code of JOINT_STATES (n,), width
-        (n,) [m], the face's normal (n, 3), and the bodies of the joint, -1 the ground (n, 2)."""
-        history, found = self.history, []
-        for number, sign, face in self.faces:
-            codes = joint_states(face, sample)
-            chosen = np.flatnonzero(codes > JOINT_STATES.index("broken"))
-            ends = tributary_ends(face.joints)[chosen]
-            y = np.full(ends.shape[:2], sign * history.placing.thickness[number] / 2)
-            places = np.stack([ends[..., 0] + history.placing.left[number], y, ends[..., 1]], -1)
-            of_wall = np.append(np.flatnonzero(history.house.body_wall == number), -1)
-            ends = face.joints[["first_body", "second_body"]].to_numpy()[chosen]
-            bodies = of_wall[np.maximum(ends, -1)]
-            both = [
-                moved(history.bodies, *self.motion(snapshot), body, places, magnify)
-                for body in bodies.T
-            ]
-            wall = np.full(len(chosen), number)
-            found.append(
-                (
-                    history.placing.in_house(wall, sum(both) / 2),
-                    codes[chosen],
-                    np.hypot(
-                        face.opening_m[sample, chosen],
-                        face.slip_by("displacement")[sample, chosen],
-                        dtype=float,
-                    ),
-                    sign * history.placing.axes[wall, 1],
-                    bodies,
-                )
-            )
-        return [np.concatenate(values) for values in zip(*found)]
-
-    def magnification(self, snapshots):
-        """Factor that makes the largest displacement in these snapshots visible, as
-        `damage.draw.wall.magnification` does."""
-        at_rest = self.corners(None)
-        largest = max(
-            (
-                float(np.abs(self.corners(one) - at_rest).max())
-                for one in snapshots
-                if one is not None
-            ),
-            default=0.0,
-        )
-        if largest == 0:
-            return 1.0
-        wanted = VISIBLE_SHARE * at_rest[..., 2].max() / largest
-        return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
+def magnification(space, snapshots):
+    """Factor that makes the largest displacement in these snapshots visible, as
+    `damage.draw.wall.magnification` does; space: InSpace."""
+    largest = max(
+        (float(np.abs(space.corners(one) - space.boxes).max()) for one in snapshots),
+        default=0.0,
+    )
+    if largest == 0:
+        return 1.0
+    wanted = VISIBLE_SHARE * space.boxes[..., 2].max() / largest
+    return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
 
 
 # --- unfolded ------------------------------------------------------------------------------------
@@ -162,9 +110,9 @@ def elevation_picture(history, sample="max", magnify=None):
     sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
     factor on displacements and rotations, None for one that makes them visible.
     """
-    shape = HouseShape(history)
+    space = InSpace(history)
     sample, damage, snapshot = moment_of(history, sample)
-    magnify = shape.magnification([snapshot]) if magnify is None else magnify
+    magnify = magnification(space, [snapshot]) if magnify is None else magnify
     parts = history.parts
     widths = [part.attributes["length_m"] for part in parts]
     height = max(part.attributes["height_m"] for part in parts)
@@ -182,7 +130,7 @@ def elevation_picture(history, sample="max", magnify=None):
             drawn.append(one.on_page(points, (page_m, height)))
             style.add_bodies(
                 ax,
-                _of_other_walls(shape, number, face, snapshot, magnify),
+                _of_other_walls(space, number, face, snapshot, magnify),
                 OTHER_COLOUR,
                 "0.75",
                 0.2,
@@ -222,13 +170,13 @@ def _moment(history, sample, damage, snapshot, magnify):
     return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}; {shown}"
 
 
-def _of_other_walls(shape, number, face, snapshot, magnify):
+def _of_other_walls(space, number, face, snapshot, magnify):
     """Ends of bricks of other walls in the corners of a wall, by its number, as its face shows
     them: (n, 4, 2) [m]."""
-    history, placing = shape.history, shape.history.placing
+    history, placing = space.history, space.history.placing
     sign, half = placing.sign_of(face)[number], placing.thickness[number] / 2
     where = [
-        placing.in_wall(number, shape.corners(*how).reshape(-1, 3)).reshape(-1, 8, 3)
+        placing.in_wall(number, space.corners(*how).reshape(-1, 3)).reshape(-1, 8, 3)
         for how in ((None,), (snapshot, magnify))
     ]
     low, high = where[0].min(axis=1), where[0].max(axis=1)
@@ -311,14 +259,14 @@ class Eye:
         return np.sum((self.place - places) * normals, axis=-1) > 0
 
 
-def polygons(shape, eye, sample, snapshot, magnify, widest_pt):
-    """What a PolyCollection of a HouseShape needs, from back to front: places [m], colours of faces
+def polygons(space, eye, sample, snapshot, magnify, widest_pt):
+    """What a PolyCollection of an InSpace needs, from back to front: places [m], colours of faces
     and edges, widths [pt].
 
     Course by course upwards: as the eye is above all of them, a lower one hides nothing of a higher
     one; in a course from far to near.
     """
-    bodies, corners = shape.history.bodies, shape.corners(snapshot, magnify)
+    bodies, corners = space.history.bodies, space.corners(snapshot, magnify)
     sides = corners[:, SIDES]  # (n_bodies, 6, 4, 3)
     outwards = sides.mean(axis=2) - corners.mean(axis=1, keepdims=True)
     seen = eye.sees(sides.mean(axis=2), outwards)
@@ -329,7 +277,7 @@ def polygons(shape, eye, sample, snapshot, magnify, widest_pt):
     light = DARKEST + (1 - DARKEST) * np.clip(normal @ (eye.right / 2 + [0, 0, 0.9]), 0, 1)
     kinds = kinds_of_bodies(bodies["course"])[of]
     paint = np.array([to_rgb(style.BODY_COLOURS[kind]) for kind in kinds]) * light[:, None]
-    ends, codes, width, normals, joined = shape.cracks(sample, snapshot, magnify)
+    ends, codes, width, normals, joined = cracks(space, sample, snapshot, magnify)
     visible = eye.sees(ends.mean(axis=1), normals)
     joined, codes, width = joined[visible], codes[visible], width[visible]
     colours = np.array([to_rgb(run.JOINT_COLOURS[state]) for state in JOINT_STATES])[codes]
@@ -352,8 +300,8 @@ class Perspective:
     """Axes with a house in perspective: `show` draws a moment from an azimuth [deg]."""
 
     def __init__(self, ax, history, page_pt):
-        self.shape, placing = HouseShape(history), history.placing
-        places = self.shape.corners(None).reshape(-1, 3)
+        self.space, placing = InSpace(history), history.placing
+        places = self.space.boxes.reshape(-1, 3)
         self.low, self.high = places.min(axis=0), places.max(axis=0)
         self.middle = (self.low + self.high) / 2
         self.radius = float(np.linalg.norm(self.high - self.low) / 2)
@@ -374,7 +322,7 @@ class Perspective:
         azimuth = self.azimuth if azimuth is None else azimuth
         eye = Eye(azimuth, self.middle, self.radius)
         places, face, edge, width = polygons(
-            self.shape, eye, sample, snapshot, magnify, self.widest_pt
+            self.space, eye, sample, snapshot, magnify, self.widest_pt
         )
         self.drawn.set_verts(places)
         self.drawn.set(facecolor=face, edgecolor=edge, linewidth=width)
@@ -401,14 +349,11 @@ def legend_of(history, sample, widest_pt):
     """Handles of the states and widths of cracks, and of the kinds of bodies, of a house."""
     part = history.parts[0]
     one = shape_at(part, sample, 0.0, magnify=0.0)
-    width = np.hypot(
-        history.opening_m[sample], history.slip_by("displacement")[sample], dtype=float
-    )
     shape = replace(
         one,
         elastic=np.zeros(1, bool),
         kinds=kinds_of_bodies(history.bodies["course"]),
-        crack_width_m=width,
+        crack_width_m=widths(history, sample),
         widest_pt=widest_pt,
     )
     unseen = {"intact", f"failed, ≤ {THRESHOLD / MILLIMETRE:g} mm"}
@@ -426,7 +371,7 @@ def space_picture(history, sample="max", magnify=None, azimuth=None):
     sample, damage, snapshot = moment_of(history, sample)
     figure, ax = style.new_figure(1.0)
     seen = Perspective(ax, history, (72 * style.COLUMN_WIDTH,) * 2)
-    magnify = seen.shape.magnification([snapshot]) if magnify is None else magnify
+    magnify = magnification(seen.space, [snapshot]) if magnify is None else magnify
     seen.show(sample, snapshot, magnify, azimuth)
     ratio = seen.fit([seen.azimuth if azimuth is None else azimuth])
     figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5))

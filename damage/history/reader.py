@@ -22,7 +22,7 @@ from damage.units import rounded
 from damage.wall.geometry import in_one_layer
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
-from damage.wall.placing import placing_of
+from damage.wall.placing import FACES, placing_of
 from damage.wall.plan import plan_of
 from damage.wall.space import SHARES
 
@@ -239,15 +239,18 @@ class History:
 
     def of_wall(self, name):
         """The History of a wall of a house, in its plane and without the joints to other walls;
-        energies and forces of supports are those of the house."""
+        energies and forces of supports are those of the house.  Of a wall: that of one of FACES
+        (`of_face`)."""
         walls = self.parameters["house"]["walls"] if self.house else []
-        names = [one["wall"]["name"] for one in walls]
+        names = [one["wall"]["name"] for one in walls] if self.is_house else FACES[: 2 * len(walls)]
         if name not in names:
             raise InputError(
-                f"{self.path} has no wall {name}: expected"
+                f"{self.path} has no wall or face {name}: expected"
                 f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
                 " correct it"
             )
+        if not self.is_house:
+            return self.of_face(name)
         number, house = names.index(name), self.house
         wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
         outside = int(self.placing.sign_of("outside")[number])
@@ -278,14 +281,30 @@ class History:
         )
 
     def of_face(self, face):
-        """The History of a wall of a house as one of its FACES shows it: the contact points there,
-        each with the whole of its length."""
+        """The History of a wall of a house as one of its FACES shows it, as of a plane wall: the
+        contact points there, each with the whole of its length."""
         (wall,) = self.parameters["house"]["walls"]
         sign = wall.get("outside", 1) * (1 if face == "outside" else -1)
         part = self._with_joints((np.sign(self.joints["y_m"]) == sign).to_numpy())
         joints = in_one_layer(part.joints)
         total = {"total_joint_length_m": float(joints["length_m"].sum())}
-        return replace(part, joints=joints, attributes=self.attributes | total)
+        return replace(
+            part,
+            path=self.path.with_name(f"{self.path.stem}:{face}{self.path.suffix}"),
+            joints=joints,
+            attributes=self.attributes | total,
+            house=None,
+        )
+
+    def check_one_layer(self):
+        """Raise InputError of a wall of a house, which has other cracks at each of its faces."""
+        if "share" in self.joints:
+            stem, suffix = self.path.stem, self.path.suffix
+            place = stem if not self.is_house else f"{stem}:{self.placing.names[0]}"
+            raise InputError(
+                f"{self.path} has cracks of its own at each face: expected one face of a wall, as"
+                f" {place}:outside{suffix}; give that"
+            )
 
     def _with_joints(self, kept):
         """The History with these joints alone, (n_joints,) bool."""
@@ -365,12 +384,13 @@ def read_history(path):
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
     Raises InputError where the file is missing, is not a history, has another schema, or was
-    changed after its run closed it.  FILE:WALL.h5 is of a wall of the house in FILE.h5.
+    changed after its run closed it.  FILE:WALL.h5 is of a wall of the house in FILE.h5,
+    FILE:WALL:outside.h5 of a face of it.
     """
     given = Path(path)
-    house, _, wall = given.stem.rpartition(":")
-    if house and not given.exists():
-        return read_history(given.with_name(house + given.suffix)).of_wall(wall)
+    house, part = _without_part(given)
+    if part:
+        return read_history(house).of_wall(part)
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
     if head.sealed:
@@ -383,6 +403,18 @@ def read_history(path):
         raise
     except Exception as error:  # a damaged file may say anything
         raise _unreadable(path, error) from error
+
+
+def _without_part(path):
+    """FILE.h5 and WALL of a path FILE:WALL.h5 that is no file; else the path, and ""."""
+    house, _, part = path.stem.rpartition(":")
+    return (path.with_name(house + path.suffix), part) if house and not path.exists() else (path, "")
+
+
+def file_of(path):
+    """The file of a history, of which the path may name a wall or a face."""
+    house, part = _without_part(Path(path))
+    return file_of(house) if part else house
 
 
 def _unreadable(path, error):

@@ -40,7 +40,7 @@ def report(history, pictures=True):
 def _draw(history):
     folder = pictures_folder(history.path)
     try:
-        from damage.draw.run import save_all
+        from damage.draw.house import save_all
 
         print(f"pictures: {len(save_all(history, folder))} files in {folder}")
     except Exception as error:

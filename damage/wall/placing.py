@@ -1,5 +1,4 @@
-"""Where the bricks of a house stand in space, from what its history keeps: `walls` of its
-parameters, tables of bodies and joints, motion in the plane of each wall and across it.
+"""Where the walls of a house stand in space, from what the parameters of its history keep.
 
 Places in a wall are x along it as unfolded, y from its middle plane and z; in the house x, y, z.
 """
@@ -68,36 +67,3 @@ def placing_of(walls):
         np.array([one.wall.length for one in placed]),
         np.array([one.wall.brick.thickness for one in placed]),
     )
-
-
-def moved(bodies, motion, across, body, places, magnify=1.0):
-    """Where places (n, k, 3) [m] in walls go with the bodies (n,) that they are fixed to, -1 of the
-    ground, when the bodies' motion is magnified; (n, k, 3) [m].
-
-    bodies: table of a history; motion: (n_bodies, 3) along the wall, upwards [m] and from x towards
-    z [rad]; across: (n_bodies, 3) across it [m], about the axes along it and upwards [rad].
-    """
-    shift = np.column_stack([motion[:, 0], across[:, 0], motion[:, 1]])
-    turn = np.column_stack([across[:, 1], -motion[:, 2], across[:, 2]])
-    centre = np.column_stack([bodies["x_m"], np.zeros(len(bodies)), bodies["z_m"]])
-    shift, turn, centre = (
-        np.vstack([values, np.zeros(3)])[body, None] for values in (shift, turn, centre)
-    )
-    arms = places - centre
-    return places + magnify * shift + _turned(magnify * turn, arms) - arms
-
-
-def _turned(turn, arms):
-    """Vectors (n, k, 3) after the rotations (n, 1, 3) [rad], by Rodrigues' formula."""
-    angle = np.linalg.norm(turn, axis=-1, keepdims=True)
-    once = np.cross(turn, arms)
-    half = np.sinc(angle / (2 * np.pi)) ** 2 / 2
-    return arms + np.sinc(angle / np.pi) * once + half * np.cross(turn, once)
-
-
-def box_corners(bodies, thickness):
-    """Corners of the bodies at rest in their walls, (n_bodies, 8, 3) [m], as of BOX; thickness
-    (n_bodies,) [m]."""
-    half = np.column_stack([bodies["length_m"], thickness, bodies["height_m"]]) / 2
-    centre = np.column_stack([bodies["x_m"], np.zeros(len(bodies)), bodies["z_m"]])
-    return centre[:, None] + half[:, None] * BOX

@@ -18,6 +18,7 @@ from PIL import Image
 from damage.applications.report.packing import fewer_colours
 from damage.draw import style
 from damage.draw.house import LINES, Perspective, legend_of
+from damage.draw.house import magnification as house_magnification
 from damage.draw.run import THIN, draw_wall, joint_handles, show_all
 from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
 from damage.errors import InputError
@@ -52,6 +53,8 @@ MOST_FRAMES = 300
 """Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a
 megabyte each."""
 DOTS_PER_INCH = 150
+MOST_TURN_DEG = 3.0
+"""Largest turn of the eye about a house from frame to frame [deg]."""
 
 
 def write_film(history, path, window_s=None, magnify=None):
@@ -185,11 +188,12 @@ def _fix(figure):
 
 
 def _house_stage(history, snapshots, samples, magnify):
-    """As `_stage`, of a house in perspective, about which the eye goes once."""
+    """As `_stage`, of a house in perspective, about which the eye goes, once at most."""
     figure, (above, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 1.6))
     seen = Perspective(above, history, (72 * style.COLUMN_WIDTH,) * 2)
-    magnify = seen.shape.magnification(snapshots) if magnify is None else magnify
-    turn = dict(zip(snapshots, seen.azimuth + np.arange(len(snapshots)) * 360 / len(snapshots)))
+    magnify = house_magnification(seen.space, snapshots) if magnify is None else magnify
+    step = min(MOST_TURN_DEG, 360 / len(snapshots))
+    turn = dict(zip(snapshots, seen.azimuth + step * np.arange(len(snapshots))))
     ratio = seen.fit(np.arange(0, 360, 15))
     figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5) * 1.35)
     clock = above.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
