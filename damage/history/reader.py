@@ -408,7 +408,9 @@ def read_history(path):
 def _without_part(path):
     """FILE.h5 and WALL of a path FILE:WALL.h5 that is no file; else the path, and ""."""
     house, _, part = path.stem.rpartition(":")
-    return (path.with_name(house + path.suffix), part) if house and not path.exists() else (path, "")
+    return (
+        (path.with_name(house + path.suffix), part) if house and not path.exists() else (path, "")
+    )
 
 
 def file_of(path):

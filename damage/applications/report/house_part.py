@@ -60,7 +60,9 @@ def house_part(history, summaries):
         "corners": [
             (name, [cell(one[key]) for key in CORNERS]) for name, one in found["corners"].items()
         ],
-        "pictures": [(as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures],
+        "pictures": [
+            (as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures
+        ],
         "wall_files": [part.path.name for part in history.parts],
     }
 
