@@ -26,6 +26,7 @@ PROGRAMS = (
     "after_peak",
     "bouncing_caps",
     "claim_coverage",
+    "coarse_units",
     "cracks_before",
     "deformable",
     "dic_field",

@@ -20,6 +20,7 @@ from damage.provenance import shown_path
 from damage.run.options import (
     ACCEPTING,
     PREPARATION,
+    UNITS,
     arg,
     file_arg,
     flag,
@@ -30,6 +31,7 @@ from damage.run.options import (
     recorded,
 )
 from damage.wall import as_built, materials
+from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.house import read_house
@@ -54,6 +56,7 @@ def _materials(asked):
     WALL,
     group(
         "model",
+        UNITS,
         *model_arguments(
             "lintel",
             "top",
@@ -133,7 +136,7 @@ def _describe_modes(found):
     "a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic"
     " joints, names of piers and spandrels; of a house, its plan, too",
     WALL,
-    group("model", *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
+    group("model", UNITS, *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
     out(
         "the picture (default: the wall's name, .png, in the working folder)",
         "FILE.png|FILE.svg|FILE.pdf",
@@ -179,9 +182,9 @@ def house_layout(asked):
 
 
 def plausible_wall(asked, path):
-    """The wall of a file, or of a name, its values checked unless a command's options accept
-    all."""
-    wall = load_wall(path)
+    """The wall of a file, or of a name, in the units that are asked for, its values checked unless
+    a command's options accept all."""
+    wall = in_units(load_wall(path), getattr(asked, "units", (1, 1)))
     if not asked.accept_implausible:
         check_plausible(wall)
     plan = plan_of(wall)

@@ -213,6 +213,17 @@ ACCEPTING = flag(
     "(docs/reference/ranges.md)",
 )
 """The option that accepts implausible values."""
+UNITS = arg(
+    "--units",
+    nargs=2,
+    type=number_from(1, 20, int),
+    default=(1, 1),
+    metavar=("BRICKS", "COURSES"),
+    help=(
+        "the wall in larger units of so many bricks and courses, as stiff, strong and tough, with"
+        " fewer cracks: for many runs (damage.wall.coarser; default 1 1)"
+    ),
+)
 PREPARATION = (
     arg(
         "--unit",
@@ -400,6 +411,7 @@ def _model_arguments(solver):
         ]
     )
     return [
+        UNITS,
         *model_arguments(*(one.name for one in fields(ModelOptions))),
         *_settings("beta_s"),
         *of_reference,
@@ -903,6 +915,8 @@ def free_name(wall, settings, solver, folder="results"):
     """A path for the history that does not exist yet: WALL_MOTION_SOLVER.h5, then _2, _3, ..."""
     settled = [f"settle-{settings.settlement.name}"] if settings.settlement else []
     parts = [wall.name, *settled, settings.loading.name, solver, *settings.model.tags()]
+    if settings.units != (1, 1):
+        parts.append("units-{}x{}".format(*settings.units))
     if settings.events:
         parts[1 + len(settled) : 2 + len(settled)] = [
             f"sequence-of-{len(settings.events)}",

@@ -165,19 +165,6 @@ def test_the_digest_of_measures_is_of_their_folders(tmp_path, monkeypatch):
     assert not found & {"damage/motion/record.py", "damage/wall/layout.py"}
 
 
-def test_the_digest_of_measures_follows_the_index(tmp_path, monkeypatch):
-    package = tmp_path / "damage"
-    shutil.copytree(REPOSITORY / "damage", package)
-    monkeypatch.setattr("damage.provenance.HERE", package)
-    assert measures_digest.__wrapped__() == measures_digest()
-    index = package / "index.py"
-    text = index.read_text()
-    index.write_text(text.replace('"""The damage index', '"""Of the damage index'))
-    assert measures_digest.__wrapped__() == measures_digest()
-    index.write_text(text.replace("DRIFT_LIMIT = 0.02", "DRIFT_LIMIT = 0.01"))
-    assert measures_digest.__wrapped__() != measures_digest()
-
-
 @pytest.mark.parametrize(
     "module, said, decides",
     [

@@ -50,14 +50,6 @@ def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
     return Record("step", step_s, np.full(samples, amplitude_m_s2))
 
 
-class TestPeaks:
-    def test_pgv_converges_with_the_square_of_the_step(self):
-        exact = 100 * 2 / (2 * np.pi / 0.5)
-        errors = [abs(pgv_cm_s(sine(samples_per_cycle=n)) - exact) for n in (50, 100)]
-        # second order: halving the step quarters the error, up to terms of fourth order
-        assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)
-
-
 class TestArias:
     def test_of_a_sine(self):
         # the trapezoidal rule is exact for whole cycles of a sampled sine, but for round-off

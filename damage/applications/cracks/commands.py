@@ -215,8 +215,7 @@ MEASURES.append("applications/cracks/kept.py")  # patterns at rest
 @tables
 def _tables():
     from damage.applications.cracks import calibrate, crack_file
-    from damage.applications.cracks.loops import LOOP_FILE
-    from damage.measure.loops import LOOP
+    from damage.applications.cracks.loops import LOOP, LOOP_FILE
 
     return {
         "crack files": crack_file.COLUMNS,

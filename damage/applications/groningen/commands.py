@@ -236,6 +236,15 @@ def _lives_options(within, strong):
                 help="scatter of the joints' strengths (default 0.3)",
             ),
             arg(
+                "--inputs",
+                choices=("given", "tested", "typical"),
+                default="typical",
+                help=(
+                    "the wall as given, or what nobody knows of it drawn, with tests of its masonry"
+                    " or without (default typical)"
+                ),
+            ),
+            arg(
                 "--settle",
                 metavar="PROFILE|FILE.csv",
                 help="settlement of the ground before the first event",
@@ -292,6 +301,7 @@ def _life(asked):
     options = {
         "rest": asked.rest,
         "strength-cov": asked.strength_cov,
+        "inputs": asked.inputs,
         "settle": asked.settle,
         "distortion": asked.distortion,
     }
@@ -392,7 +402,7 @@ def _claim(asked):
             asked.wall,
             _address_of(asked),
             asked.cracks,
-            {"rest": asked.rest, "strength-cov": asked.strength_cov},
+            {"rest": asked.rest, "strength-cov": asked.strength_cov, "inputs": asked.inputs},
             settlement,
             asked.draws,
             asked.language,

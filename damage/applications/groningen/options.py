@@ -99,7 +99,7 @@ register(
                 metavar="N",
                 help=(
                     "number of the life: by it motions are "
-                    "drawn and, where --strength-cov is given, the joints' strengths"
+                    "drawn and, where --strength-cov or --inputs is given, the wall"
                 ),
             ),
         ),

@@ -32,6 +32,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
 from damage.run.options import fraction, settings_of
+from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -81,7 +82,8 @@ def make_claim(claim, out, jobs, remake=False):
             if status := _draw(study, out, jobs, remake, lock):
                 return status
             first = _first(out, study)
-            if first.masonry_wall != layout.wall:
+            model = first.model
+            if first.masonry_wall != drawn(layout.wall, ranges(model.inputs), model.strength_seed):
                 raise InputError(
                     f"{claim.wall} changed since this claim began: expected the wall that its"
                     " cracks were put on; give the same command again"
