@@ -37,14 +37,16 @@ CORNERS = {
         ),
         "max_across_mm": Column("mm", f"{_OF}largest displacement of a body across it"),
         **{
-            f"max_crack_width_{face}_mm, residual_crack_width_{face}_mm, max_psi_{face},"
-            f" residual_psi_{face}": Column(
-                "mm, mm, 1, 1",
-                f"{_OF}widest crack and Psi of its face {face}, away from the middle of the plan"
-                if face == "outside"
-                else f"{_OF}the same inside",
+            names.format(face=face): Column(unit, f"{_OF}{what} of its face {face}{where}")
+            for face, where in zip(FACES, (", away from the middle of the plan", ""))
+            for names, unit, what in (
+                (
+                    "max_crack_width_{face}_mm, residual_crack_width_{face}_mm",
+                    "mm",
+                    "width of the widest crack",
+                ),
+                ("max_psi_{face}, residual_psi_{face}", "1", "Psi of the cracks"),
             )
-            for face in FACES
         },
     }
 )
