@@ -1,5 +1,6 @@
 """Commands about histories, and the tests and cracks that they are compared with."""
 
+from damage.arguments import arg, group
 from damage.commands.table import (
     DAMAGE,
     DRIFT_LIMIT,
@@ -19,7 +20,6 @@ from damage.history.info import DAMAGED, WHOLE, check, describe_check, info, ori
 from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
 from damage.index import SLIP_CRITERIA
-from damage.run.options import arg, group
 from damage.units import MILLIMETRE
 
 

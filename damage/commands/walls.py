@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import JSON, WALL, command, out, output, program, save, show
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import json_text
@@ -17,19 +18,7 @@ from damage.motion.plausible import (
     record_warnings,
 )
 from damage.provenance import shown_path
-from damage.run.options import (
-    ACCEPTING,
-    PREPARATION,
-    UNITS,
-    arg,
-    file_arg,
-    flag,
-    group,
-    model_arguments,
-    model_of,
-    number_from,
-    recorded,
-)
+from damage.run.options import ACCEPTING, PREPARATION, UNITS, model_arguments, model_of, recorded
 from damage.wall import as_built, materials
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema

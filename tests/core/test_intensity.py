@@ -79,7 +79,7 @@ class TestSpectrum:
         assert_allclose(sa_g, 1 + overshoot, rtol=BETWEEN_INSTANTS)
 
     def test_a_stiff_oscillator_follows_the_ground(self):
-        record = read_record(shipped_record_path())
+        record = windowed(read_record(shipped_record_path()), 18.0, 20.0)
         # the overshoot is in proportion to the period: 3e-5 at step/10, 8e-6 at step/30
         for part in (10, 30):
             sa_g = response_spectrum(record, [record.time_step_s / part])

@@ -1,5 +1,6 @@
 """Commands about cracks and laboratories: pushed walls, digitised cracks, surveys beside runs."""
 
+from damage.arguments import WALLS_ARE_CODE, arg, file_arg, group, number_from
 from damage.commands.table import (
     DRIFT_LIMIT,
     JSON,
@@ -16,7 +17,6 @@ from damage.errors import InputError
 from damage.history.info import origin
 from damage.history.reader import read_history
 from damage.provenance import MEASURES, MODEL, shown_path
-from damage.run.options import WALLS_ARE_CODE, arg, file_arg, group, number_from
 from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
 

@@ -12,11 +12,12 @@ from damage.applications.groningen.exposure.catalogue import (
 )
 from damage.applications.groningen.exposure.exposure import describe as describe_exposure
 from damage.applications.groningen.exposure.lives import KEYS, draws_of
+from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import JSON, WALL, command, out, output, save, show, tables
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
 from damage.provenance import MODEL
-from damage.run.options import arg, file_arg, flag, group, number_from
+from damage.run.options import UNITS
 from damage.wall.file import wall_path
 
 
@@ -355,6 +356,7 @@ def _life(asked):
     ),
     group(
         "runs",
+        UNITS,
         file_arg(
             "--levels",
             "LEVELS.csv",
@@ -372,6 +374,13 @@ def _life(asked):
     ),
 )
 def _claim(asked):
+    from damage.applications.groningen.claim.dutch import said_in
+
+    with said_in(asked.language):
+        return _make_claim(asked)
+
+
+def _make_claim(asked):
     import os
 
     from damage.applications.groningen.claim.make import Claim, make_claim
@@ -406,6 +415,7 @@ def _claim(asked):
             settlement,
             asked.draws,
             asked.language,
+            tuple(asked.units),
         ),
         asked.out,
         asked.jobs or os.cpu_count(),

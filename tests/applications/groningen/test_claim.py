@@ -501,7 +501,14 @@ class TestSheet:
 
     def test_a_dutch_sheet_has_no_english_text(self, claimed, capsys):
         assert main(words(claimed.parent, "--language", "nl", draws=4)) == 0
-        assert "--draws 4: the sheet will have no answer" in capsys.readouterr().err
+        printed = capsys.readouterr()
+        said = printed.out + printed.err
+        assert "--draws 4: het blad zal geen antwoord hebben" in printed.err
+        assert [
+            line
+            for line in said.split("\n")
+            if re.search(r"(?<![\w-])(the|draws|expected)(?![\w-])", line)
+        ] == []
         page = re.sub(r"\s+", " ", (claimed / "claim.html").read_text())
         assert '<html lang="nl">' in page and "Geen antwoord" in page
         parts = [
