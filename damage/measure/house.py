@@ -30,24 +30,26 @@ CORNERS = {
 }
 
 
+def _of_face(face, more=""):
+    """Columns of `psi_summary` of a face."""
+    return {
+        f"max_crack_width_{face}_mm, residual_crack_width_{face}_mm": Column(
+            "mm", f"{_OF}widest crack of its face {face}{more}"
+        ),
+        f"max_psi_{face}, residual_psi_{face}": Column(
+            "1", f"{_OF}Psi of the cracks of its face {face}"
+        ),
+    }
+
+
 @measure(
     {
         "max_drift_across_ratio, residual_drift_across_ratio": Column(
             "1", f"{_OF}displacement across it of the top over its height; largest, and at the end"
         ),
         "max_across_mm": Column("mm", f"{_OF}largest displacement of a body across it"),
-        **{
-            names.format(face=face): Column(unit, f"{_OF}{what} of its face {face}{where}")
-            for face, where in zip(FACES, (", away from the middle of the plan", ""))
-            for names, unit, what in (
-                (
-                    "max_crack_width_{face}_mm, residual_crack_width_{face}_mm",
-                    "mm",
-                    "width of the widest crack",
-                ),
-                ("max_psi_{face}, residual_psi_{face}", "1", "Psi of the cracks"),
-            )
-        },
+        **_of_face("outside", ", away from the middle of the plan"),
+        **_of_face("inside"),
     }
 )
 def house_measures(history, psi_from=PSI_FROM):
