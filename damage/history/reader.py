@@ -16,6 +16,7 @@ from damage.errors import InputError
 from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
+from damage.history.slabs import with_slabs_in
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.units import rounded
@@ -26,7 +27,8 @@ from damage.wall.plan import plan_of
 
 class HouseRows(NamedTuple):
     """What the history of a house has beside that of a plane wall: number of the wall of each body
-    and of each contact point, -1 between two, and place of that from the wall's middle plane [m];
+    and of each contact point, -1 between two, and place of that and of each body's centre from the
+    wall's middle plane [m];
     of each sample and wall displacement of the top along it, and the largest across it (n_times,
     n_walls) [m]; acceleration of the ground across the heading (n_times,) [m/s2]; displacement
     across and rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m,
@@ -35,6 +37,7 @@ class HouseRows(NamedTuple):
     body_wall: np.ndarray
     joint_wall: np.ndarray
     joint_y_m: np.ndarray
+    body_y_m: np.ndarray
     top_displacement_m: np.ndarray
     across_m: np.ndarray
     base_acceleration_m_s2: np.ndarray
@@ -46,6 +49,7 @@ class HouseRows(NamedTuple):
             0 * self.body_wall[body],
             0 * self.joint_wall[joint],
             self.joint_y_m[joint],
+            self.body_y_m[body],
             self.top_displacement_m[:, [number]],
             self.across_m[:, [number]],
             self.base_acceleration_m_s2,
@@ -240,7 +244,10 @@ class History:
                 f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
                 " correct it"
             )
-        number, house = names.index(name), self.house
+        return with_slabs_in(self, names.index(name))._of_wall(name, names.index(name))
+
+    def _of_wall(self, name, number):
+        walls, house = self.parameters["house"]["walls"], self.house
         wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
         body, joint = house.body_wall == number, house.joint_wall == number
         new_body, new_joint = (np.cumsum(kept) - 1 for kept in (body, joint))
@@ -416,8 +423,9 @@ def _house(values, n_times, n_snapshots):
     """The HouseRows of the history of a house, None of a plane wall."""
     if "placing/body_wall" not in values:
         return None
+    no_offset = np.zeros(len(values["placing/body_wall"]))  # of histories before houses had floors
     return HouseRows(
-        *(values[f"placing/{name}"][:] for name in schema.PLACING),
+        *(values.get(f"placing/{name}", no_offset)[:] for name in schema.PLACING),
         *(values[f"house/{name}"][:n_times] for name in schema.HOUSE),
         values["snapshots/out_of_plane"][:n_snapshots],
     )
