@@ -255,6 +255,9 @@ HOUSE = {
     "across_m": Column(
         "m", "only of a house: of each wall, largest displacement of a body across it"
     ),
+    "top_across_m": Column(
+        "m", "only of a house: of each wall across it, of the top whose displacement is its drift"
+    ),
     "base_acceleration_m_s2": Column(
         "m/s2",
         "only of a house: of the ground across its heading; those of the series are along it and"

@@ -49,15 +49,6 @@ from damage.wall.parameters import LONGEST_M, Wall
 KINDS_OF_CORNERS = "toothed", "butted"
 
 
-def axes_of(direction):
-    """Unit vectors along a wall in this direction in plan [deg], across it and upwards, the rows of
-    (3, 3)."""
-    turn = np.radians(direction)
-    # so that right angles are exact
-    cos, sin = np.round([np.cos(turn), np.sin(turn)], 15)
-    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-
-
 @dataclass(frozen=True)
 class Placed:
     """A wall in plan: origin (x, y) [m] of its left end in the middle of its thickness, direction
@@ -82,8 +73,11 @@ class Placed:
 
     @property
     def axes(self):
-        """`axes_of` its direction."""
-        return axes_of(self.direction)
+        """Unit vectors along the wall, across it and upwards, the rows of (3, 3)."""
+        turn = np.radians(self.direction)
+        # so that right angles are exact
+        cos, sin = np.round([np.cos(turn), np.sin(turn)], 15)
+        return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
     @property
     def ends(self):

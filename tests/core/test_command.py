@@ -1,10 +1,8 @@
 """What every command has: its version, quiet, completion of a shell; and messages of a wall file's
 mistakes."""
 
-import os
 import re
 import shlex
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -26,18 +24,6 @@ SMALL = "Wall('w', 0.45, 0.15)"
 
 def test_the_version_has_the_package_s_name(output_of):
     assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
-
-
-def test_a_terminal_gets_lines_broken_at_words_and_a_file_whole_ones():
-    words = (sys.executable, "-m", "damage", "index", f"no{'_such' * 4}.h5")
-    (of_file,) = run_command(*words, status=2).stderr.splitlines()
-    ours, its = os.openpty()
-    done = subprocess.run(words, stderr=its, env={**os.environ, "COLUMNS": "40"}, check=False)
-    os.close(its)
-    lines = os.read(ours, 9999).decode().splitlines()
-    os.close(ours)
-    assert done.returncode == 2 and len(of_file) > 40 >= max(map(len, lines))
-    assert of_file.split() == " ".join(lines).split()
 
 
 def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):
