@@ -451,7 +451,7 @@ def _without(layout, drop):
     new = np.append(np.cumsum(kept) - 1, GROUND)
     ends = [rows(end, len(drop)) for end in (contacts.first, contacts.second)]
     stay = np.append(kept, True)[ends].all(axis=0)
-    drift = [new[one[kept[one]]] for one in space.drift_bodies]
+    drift = [new[_remaining(layout, one, kept)] for one in space.drift_bodies]
     return replace(
         layout,
         bodies=_taken(layout.bodies, kept),
@@ -466,6 +466,14 @@ def _without(layout, drop):
             **{name: getattr(space, name)[stay] for name in OF_CONTACTS},
         ),
     )
+
+
+def _remaining(layout, bodies, kept):
+    """Those of a wall's drift that are kept (n,), else all that are kept of their course."""
+    if kept[bodies].any():
+        return bodies[kept[bodies]]
+    alike = layout.bodies.course == layout.bodies.course[bodies[0]]
+    return np.flatnonzero(kept & alike & (layout.space.wall == layout.space.wall[bodies[0]]))
 
 
 def _joined_at(layout, one, other):

@@ -7,6 +7,7 @@ import pytest
 from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
+import damage
 from damage.law.modes import natural_modes, stiffness_matrix
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
@@ -60,6 +61,21 @@ def test_toothed_walls_share_their_corners_and_are_joined():
     weight = 1900 * 0.2 * (0.8 + 0.8 - 0.2) * 0.4
     assert_allclose(layout.total_mass, weight)
     assert natural_modes(layout, 1).period_s[0] > 0
+
+
+def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_piers():
+    door = damage.Opening(left=0.4, width=0.8, height=0.8)
+    one = Wall("one", 1.6, openings=(door,), lintel="concrete", **ASHLAR | {"height": 1.2})
+    other = Wall("other", 1.2, base_course="half", **ASHLAR | {"height": 1.2})
+    places = (
+        Placed(one),
+        *(Placed(replace(other, name=name), (x, -0.1), 90) for name, x in (("l", 0.1), ("r", 1.5))),
+    )
+    house = House("u", places, [Corner(("one", name), "toothed") for name in "lr"])
+    layout = lay_out_house(house)
+    top = layout.space.drift_bodies[0]
+    assert len(top) > 0
+    assert set(layout.bodies.course[top]) == {5} and set(layout.space.wall[top]) == {0}
 
 
 _BASES = (("one", "whole"), ("other", "half"))
