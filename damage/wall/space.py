@@ -141,6 +141,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
         lay_out(one.wall, options, scatter=scatter, seed=seed + 1000 * number)
         for number, one in enumerate(house.bearing)
     ]
+    parts = list(map(_below_slab, parts))
     options = parts[0].options
     for what, refused in (
         ("--bricks deformable", options.bricks != "rigid"),
@@ -259,6 +260,16 @@ def _across_inertia(bodies, thickness):
 
 
 # --- floors ---------------------------------------------------------------------------------------
+
+
+def _below_slab(part):
+    """The Layout of a wall, its drift that of the course below a slab on its top."""
+    bodies = part.bodies
+    if bodies.course[part.drift_bodies[0]] != SLAB_COURSE:
+        return part
+    below = bodies.z[: part.n_bricks].max() - TINY
+    drift = np.flatnonzero(bodies.z[: part.n_bricks] > below)
+    return replace(part, drift_bodies=drift, drift_height=float(bodies.z[drift].mean()))
 
 
 def _with_slab(layout, floor):
