@@ -87,6 +87,11 @@ def line_handle(colour, label, width=0.9, line="-"):
     return Line2D([], [], color=colour, lw=width, ls=line, label=label)
 
 
+def mark_handle(mark, label):
+    """A mark of a legend."""
+    return Line2D([], [], color=VERMILLION, marker=mark, ls="", ms=4, label=label)
+
+
 def area_handle(face, label, edge=DARK):
     """An area of a legend."""
     return Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)

@@ -560,6 +560,7 @@ class Run:
             found["house/top_displacement_m"] = self.layout.space.tops(self._motion(now))
             across = now.out_of_plane - self._zero.out_of_plane
             found["house/across_m"] = self.layout.space.across(across)
+            found["house/top_across_m"] = self.layout.space.tops(across)
             found["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa

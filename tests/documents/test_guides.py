@@ -35,6 +35,7 @@ SHORTER = (
     ("0.07,0.15,0.29,0.58,0.87,1.2,1.5,1.75", "0.05,0.1"),
     ("--rest 0.5", "--rest 0"),
     ("--cycles 2 --rest 0.3", "--cycles 1 --rest 0"),
+    ("--harmonic 0.3 0.4 --cycles 1 --rest 0.1", "--harmonic 0.1 1 --cycles 1 --rest 0"),
 )
 """What is typed with other numbers, or without pictures of the run, which decide nothing but how
 long it takes: (in the guide, here)."""
@@ -42,6 +43,7 @@ BLOCK = re.compile(r"^```(sh|python|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL
 NEEDED = (
     "damage",
     "walls",
+    "houses",
     "studies",
     "scripts",
     "yade_scripts",
@@ -149,6 +151,21 @@ def test_a_wall_that_was_cracked_before(clone):
 @pytest.mark.long
 def test_a_wall_for_other_programs(clone):
     assert follow("other-programs", clone).split() == ["opensees_symmetric.py"]
+
+
+@pytest.mark.long
+@pytest.mark.yade
+def test_a_house(clone, yade_command):
+    output = follow("house", clone)
+    house = damage.read_history(clone / "small.h5")
+    assert house.complete and house.broken.any()
+    assert [wall.wall for wall in house.parts] == ["front", "left", "right"]
+    corners = pd.read_csv(clone / "small_tables_corners.csv")
+    assert set(corners["corner"]) == {"front / left", "front / right"}
+    assert "front / right" in output and "mode 1: 0.0" in output
+    pictures = "small.png", "small/space_max.png", "small/elevation_end.png", "left/wall_max.png"
+    for name in (*pictures, "small.gif", "small.html", "small.vtkhdf"):
+        assert (clone / name).stat().st_size > 10_000, name
 
 
 @pytest.mark.long

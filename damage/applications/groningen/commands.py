@@ -12,11 +12,12 @@ from damage.applications.groningen.exposure.catalogue import (
 )
 from damage.applications.groningen.exposure.exposure import describe as describe_exposure
 from damage.applications.groningen.exposure.lives import KEYS, draws_of
+from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import JSON, WALL, command, out, output, save, show, tables
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
 from damage.provenance import MODEL
-from damage.run.options import UNITS, arg, file_arg, flag, group, number_from
+from damage.run.options import UNITS
 from damage.wall.file import wall_path
 
 

@@ -34,9 +34,9 @@ from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
 from damage.applications.studies.tasks import KEEP, PICTURES, Point, slices
 from damage.applications.studies.worker import work
+from damage.arguments import OneLineParser, file_path, number_from
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
-from damage.run.options import OneLineParser, file_path, number_from
 from damage.start import EXIT_INTERRUPTED
 
 

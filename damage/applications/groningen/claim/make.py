@@ -30,12 +30,13 @@ from damage.applications.studies.command import clock
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, held
 from damage.applications.studies.records import read_records
+from damage.arguments import fraction
 from damage.errors import InputError, some_of, warn
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
-from damage.run.options import fraction, settings_of
+from damage.run.options import settings_of
 from damage.wall.coarser import coarser
 from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall, wall_path
