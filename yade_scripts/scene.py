@@ -153,6 +153,10 @@ class SceneReader:
         rest = self.physics[index].initD if self.model.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
+    def openings(self, select):
+        """`opening_of` contact points that failed, (m,) [m]."""
+        return np.array([self.opening_of(index) for index in select])
+
     def shear_stresses(self, select):
         """Shear stresses of the contact points `select` (indices), of their dry parts where there
         are any, (m,) [Pa].

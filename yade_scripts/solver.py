@@ -365,7 +365,7 @@ class YadeSolver(Solver):
         if len(broken) == 0:
             return
         across, shear = self._displacements(broken)
-        opening = np.array([self.scene.opening_of(i) for i in broken])
+        opening = self.scene.openings(broken)
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()

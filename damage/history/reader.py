@@ -16,6 +16,7 @@ from damage.errors import InputError
 from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
+from damage.history.slabs import with_slabs_in
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.units import rounded
@@ -29,15 +30,16 @@ from damage.wall.space import SHARES
 
 class HouseRows(NamedTuple):
     """What the history of a house has beside that of a plane wall: number of the wall of each body
-    and of each contact point, -1 between two, and place of that from the wall's middle plane [m];
-    of each sample and wall displacement of the top along it, the largest across it, and that of the
-    top across it (n_times, n_walls) [m]; acceleration of the ground across the heading (n_times,)
-    [m/s2]; displacement across and rotations about the axes along the wall and upwards
-    (n_snapshots, n_bodies, 3) [m, rad, rad]."""
+    and of each contact point, -1 between two, and place of that and of each body's centre from the
+    wall's middle plane [m]; of each sample and wall displacement of the top along it, the largest
+    across it, and that of the top across it (n_times, n_walls) [m]; acceleration of the ground
+    across the heading (n_times,) [m/s2]; displacement across and rotations about the axes along the
+    wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
 
     body_wall: np.ndarray
     joint_wall: np.ndarray
     joint_y_m: np.ndarray
+    body_y_m: np.ndarray
     top_displacement_m: np.ndarray
     across_m: np.ndarray
     top_across_m: np.ndarray
@@ -50,6 +52,7 @@ class HouseRows(NamedTuple):
             0 * self.body_wall[body],
             0 * self.joint_wall[joint],
             self.joint_y_m[joint],
+            self.body_y_m[body],
             self.top_displacement_m[:, [number]],
             self.across_m[:, [number]],
             self.top_across_m[:, [number]],
@@ -251,7 +254,10 @@ class History:
             )
         if not self.is_house:
             return self.of_face(name)
-        number, house = names.index(name), self.house
+        return with_slabs_in(self, names.index(name))._of_wall(name, names.index(name))
+
+    def _of_wall(self, name, number):
+        walls, house = self.parameters["house"]["walls"], self.house
         wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
         outside = int(self.placing.sign_of("outside")[number])
         body, joint = house.body_wall == number, house.joint_wall == number

@@ -244,6 +244,9 @@ PLACING = {
     "joint_y_m": Column(
         "m", "only of a house: place of each contact point from the middle plane of its wall"
     ),
+    "body_y_m": Column(
+        "m", "only of a house: centre of each body from that plane, of a concrete floor not zero"
+    ),
 }
 HOUSE = {
     "top_displacement_m": Column(
@@ -343,6 +346,7 @@ SHAPES = {
     "placing/body_wall": ("bodies",),
     "placing/joint_wall": ("joints",),
     "placing/joint_y_m": ("joints",),
+    "placing/body_y_m": ("bodies",),
     "static_stage": ("looks",),
 }
 """Of the datasets of a group, or of one: what they have as many of."""

@@ -65,7 +65,7 @@ def test_a_wall_of_a_house_is_read_in_its_plane(turned, damage_command):
     said = damage_command("index", part.path, status=0).stdout
     assert "tiny / harmonic" in said
     assert (
-        "no wall roof: expected one of tiny"
+        "no wall or face roof: expected one of tiny"
         in damage_command("index", house.path.with_name("house:roof.h5"), status=2).stderr
     )
 
