@@ -87,7 +87,7 @@ def show(name):
         )
 
 
-if __name__ == "__main__":
+def main():
     asked = arguments(__doc__, option("walls", nargs="*", default=WALLS, metavar="WALL"))
     print_table(
         "wall",

@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -36,7 +37,8 @@ from damage.index import THRESHOLD
 from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_table, displaced, joint_table, kinds_of_bodies
-from damage.wall.kinds import TINY
+from damage.wall.house import outline
+from damage.wall.kinds import SLAB_COURSE, TINY
 from damage.wall.placing import FACES
 from damage.wall.plan import plan_of
 
@@ -52,6 +54,8 @@ ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
 AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
 OTHER_COLOUR = "0.85"
 DARKEST = 0.8  # share of its colour that a side has which the light does not reach
+FLOORS = {"concrete": style.BODY_COLOURS["slabs"], "timber": style.SAND}
+SECTION_M = 1.0  # height of the plan
 ARROW = {"arrowstyle": "->", "lw": 0.8, "color": style.DARK}
 BEFORE_M = 0.001  # cracks before the bricks beside them
 VISIBLE_SHARE = 0.05  # largest drawn displacement over the height of the house
@@ -187,7 +191,8 @@ def _of_other_walls(space, number, face, snapshot, magnify):
     start = placing.left[number]
     least, most = np.array([start, -half]), np.array([start + placing.length[number], half])
     within = np.minimum(high[:, :2], most) - np.maximum(low[:, :2], least) > TINY
-    chosen = within.all(axis=1) & (history.house.body_wall != number)
+    of_wall = history.house.body_depth_m < 2 * half + TINY  # floors are bodies of all their walls
+    chosen = within.all(axis=1) & of_wall & (history.house.body_wall != number)
     sides = where[1][chosen][:, SIDES]
     seen = sides[np.arange(len(sides)), (sign * sides[..., 1]).mean(axis=2).argmax(axis=1)]
     return seen[..., [0, 2]] - [start, 0.0]
@@ -434,7 +439,9 @@ def house_preview(layout):
     """Figure of a house before it is run: its plan, with corners and the direction of the motion,
     and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
     house, space, handles = layout.space.house, layout.space, {}
-    walls, n = [one.wall for one in house.walls], layout.n_joints
+    walls, n = [one.wall for one in house.bearing], layout.n_joints
+    concrete = [one for one in house.floors if one.kind == "concrete"]
+    concrete.sort(key=lambda floor: floor.level)
     lengths = [wall.length for wall in walls]
     scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
     ends = np.concatenate([_outline(one) for one in house.walls])
@@ -447,8 +454,14 @@ def house_preview(layout):
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
         on_wall = middle & (space.joint_wall[:n] == number)
-        tables = bodies[space.wall == number], joints[on_wall]
-        tables = [one.assign(x_m=one["x_m"] - space.left[number]) for one in tables]
+        of = (space.wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
+        tables = [
+            one.assign(x_m=one["x_m"] - space.left[number]) for one in (bodies[of], joints[on_wall])
+        ]
+        slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
+        slabs = slabs[[wall.name in one.walls for one in concrete]]
+        slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
+        tables[0] = pd.concat([tables[0], slabs])
         found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
         handles |= {handle.get_label(): handle for handle in found}
         ax.set_title(wall.name, loc="left", fontsize=7)
@@ -471,14 +484,33 @@ def _outline(placed):
     return np.concatenate([ends - half, ends[::-1] + half])
 
 
+def _area(span):
+    """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
+    return [
+        one.origin + along * one.axes[0, :2]
+        for one, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
+    ]
+
+
 def _draw_plan(ax, house):
     """Draw the plan of a house; returns {label: handle} of a legend."""
     corners = np.array([_outline(one) for one in house.walls])
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    found = {}
+    for floor in house.floors:
+        carrying = house.carrying(floor)
+        spans = floor.spans(carrying) if floor.kind == "timber" else []
+        for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
+            (x0, y0), (x1, y1) = area
+            style.add_bodies(ax, [[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], FLOORS[floor.kind])
+        label = f"{floor.kind} floor at {floor.level:g} m"
+        found[label] = style.area_handle(FLOORS[floor.kind], label)
     style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
     for placed in house.walls:
         along, across = placed.axes[:2, :2]
         for opening in placed.wall.openings:
+            if not opening.sill <= SECTION_M < opening.sill + opening.height:
+                continue
             span = placed.origin + np.outer([opening.left, opening.left + opening.width], along)
             half = across * placed.wall.brick.thickness / 2
             style.add_bodies(
@@ -508,10 +540,10 @@ def _draw_plan(ax, house):
         aspect="equal",
         xlabel="x [m]",
         ylabel="y [m]",
-        title="plan",
+        title=f"plan at {SECTION_M:g} m",
     )
     ax.title.set(fontsize=7, ha="left", x=0.0)
-    return {
+    return found | {
         kind: style.mark_handle(marks[kind], f"{kind} corner")
         for kind in dict.fromkeys(one.kind for one in house.corners)
     }

@@ -47,6 +47,10 @@ STEPS = 10, 96, 192, 400, 800
 """Numbers of draws after which there is a sheet: the first ones show what it will be of; 96 is what
 an interval of ±10 of 100 takes."""
 
+USUAL = {"within_km": 3.5, "strong": (0.05, 0.15), "above_mm_s": 8.0}
+USUAL_REST_S = 0.2
+"""Of a claim where nothing is given: keys of its address, and the free vibration after an event."""
+
 
 @dataclass(frozen=True)
 class Claim:

@@ -26,10 +26,14 @@ class Size:
     contact_points: int
     steps: float
 
+    def minutes(self, draws, jobs):
+        """Least and most of so many draws in so many processes [min]."""
+        work = self.contact_points * self.steps * draws / jobs / 60
+        return [max(1.0, work / rate) for rate in reversed(RATE)]
+
     def describe(self, draws, jobs):
         """So many draws in words, in so many processes."""
-        work = self.contact_points * self.steps * draws / jobs / 60
-        low, high = (two_digits(max(1.0, work / rate)) for rate in reversed(RATE))
+        low, high = map(two_digits, self.minutes(draws, jobs))
         return (
             f"{self.contact_points} contact points x {two_digits(self.steps)} steps x {draws}"
             f" draws: {low} to {high} minutes"

@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from damage.applications.report.vtkhdf import HouseCells
 from damage.draw.house import Eye, Perspective, elevation_picture, save_all
 from damage.draw.run import JOINT_COLOURS
 from damage.draw.style import new_figure
@@ -17,7 +18,8 @@ from damage.history.reader import read_history
 from damage.measure.house import corner_joints, corners_table, walls_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_table, write_run_tables
-from damage.wall.house import Corner, House, Placed
+from damage.wall.house import Corner, House, Placed, read_house
+from damage.wall.kinds import SLAB_COURSE
 from damage.wall.parameters import Brick, Wall
 from damage.wall.space import lay_out_house
 
@@ -122,6 +124,30 @@ def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
     assert_allclose(
         np.abs(space.joint_ends[faces][..., 0] - 0.1).max(), 0.1
     )  # its thickness is 0.2
+
+
+def test_a_concrete_floor_is_a_box_over_its_walls(tmp_path):
+    lay = lay_out_house(read_house(REPOSITORY / "houses/terraced.toml"))
+    (slab,) = np.flatnonzero(lay.bodies.course == SLAB_COURSE)
+    box = InSpace(make_history(tmp_path / "a.h5", lay, stages=("motion",))).boxes[slab]
+    half = lay.wall.brick.thickness / 2  # front and back are 4.75 m apart, 4.5 m long
+    assert_allclose(box.min(axis=0), [0, -half, 2.25], atol=1e-9)
+    assert_allclose(box.max(axis=0), [4.5, 4.75 + half, 2.5], atol=1e-9)
+
+
+def test_paraview_has_the_boxes_and_where_they_go(house):
+    cells = HouseCells(house)
+    space, n = InSpace(house), 8 * len(house.bodies)
+    assert_allclose(cells.points[:n], space.boxes.reshape(-1, 3))
+    moved = cells.displacement(0)[:n].reshape(-1, 8, 3)
+    of_front = house.house.body_wall == 0
+    assert_allclose(
+        moved[of_front], np.broadcast_to([0, 0.004, 0], (of_front.sum(), 8, 3)), atol=1e-7
+    )
+    assert_allclose(moved[~of_front], 0, atol=1e-12)
+    joint = np.flatnonzero(house.house.joint_wall == 0)[0]  # on the ground: half of its brick's way
+    assert_allclose(cells.displacement(0)[n + 2 * joint], [0, 0.002, 0], atol=1e-7)
+    assert cells.numbers["DI_front"].max() > 0 == cells.numbers["DI_side"].max()
 
 
 def test_unfolded_walls_show_the_crack_of_each_face(house):
