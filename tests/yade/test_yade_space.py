@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, SHORT, TINY, wall_file, written
 from numpy.testing import assert_allclose
+from scipy.sparse.linalg import spsolve
 
 from damage.history.reader import read_history
+from damage.law.modes import stiffness_matrix
 from damage.measure.energy import energy_error
+from damage.wall.house import read_house
+from damage.wall.space import lay_out_house
 
 pytestmark = pytest.mark.yade
 
@@ -127,11 +131,35 @@ def test_a_motion_in_space_is_the_same_whichever_way_its_components_are_named(
     assert energy_error(one.series) < 0.01
 
 
+def test_a_push_on_a_slab_meets_the_elastic_stiffness_in_its_direction(yade_command, tmp_path):
+    """Two walls below a slab, pushed at 30 degrees: force over displacement by the joints'
+    stiffness alone."""
+    size = "length = 0.8\nheight = 0.8\nprecompression = 0\n"
+    brick = "brick = { length = 0.4, height = 0.2, thickness = 0.2 }\n"
+    joint = "joint = { tensile_strength = 2e6, cohesion = 2e6 }\n"
+    written(tmp_path / "a.toml", 'name = "a"\n' + size + brick + joint)
+    walls = ['[[walls]]\nfile = "a.toml"\n', 'name = "b"\norigin = [0, 1.0]\n']
+    slab = 'level = 0.8\nkind = "concrete"\nwalls = ["a", "b"]\nmass_per_area = 300\n'
+    text = f'name = "pair"\nheading = 30\n{walls[0]}{walls[0]}{walls[1]}[[floors]]\n{slab}'
+    path, out = written(tmp_path / "house.toml", text), tmp_path / "pair.h5"
+    push = ("--pushover", 0.002, "--floor-share", 0.8, 1.0, "--no-pictures", "--out", out)
+    yade_command(*SHORT, DATA, path, *push, status=0)
+    history, layout = read_history(out), lay_out_house(read_house(path))
+    shares = layout.push_shares([(0.8, 1.0)])
+    along, across, up = layout.space.of_body.transpose(1, 0, 2) @ [np.sqrt(0.75), 0.5, 0.0]
+    force = np.zeros((len(shares), 6))
+    force[:, [0, 3, 1]] = np.column_stack([along, across, up]) * shares[:, np.newaxis]
+    moved = spsolve(stiffness_matrix(layout).tocsc(), force.ravel()) @ force.ravel()
+    found = history.displacement[-1] @ [1, 0, 0] * force[:, 0]
+    found += history.house.out_of_plane[-1] @ [1, 0, 0] * force[:, 3]
+    assert_allclose(history.series["top_force_n"].iloc[-1], found.sum() / moved, rtol=0.01)
+
+
 def test_what_runs_in_a_plane_alone_is_refused(yade_command, tmp_path):
     said = yade_command(
-        REPOSITORY / "houses/box.toml", "--pushover", 0.001, "--out", tmp_path / "a.h5", status=2
+        REPOSITORY / "houses/box.toml", "--settle", "tilt", "--out", tmp_path / "a.h5", status=2
     ).stderr
-    assert "house box with a push" in said
+    assert "house box with --settlement" in said
 
 
 @pytest.mark.long
