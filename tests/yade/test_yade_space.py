@@ -184,10 +184,8 @@ def test_each_wall_of_a_box_with_windows_has_its_index_and_pictures(
     assert [part.wall for part in history.parts] == ["front", "left", "right", "back"]
     assert energy_error(history.series) < 0.01
     assert sum(len(part.joints) for part in history.parts) < len(history.joints)
-    assert (tmp_path / "box:front").is_dir()
+    assert (tmp_path / "box" / "space_max.png").is_file()
     found = json.loads(damage_command("index", out, "--json", status=0).stdout)
-    assert set(found) == {"front", "left", "right", "back"}
-    assert (
-        "has an index of each wall"
-        in damage_command("plot", out, "--out", tmp_path, status=2).stderr
-    )
+    assert list(found["walls"]) == ["front", "left", "right", "back"]
+    assert len(found["corners"]) == 4
+    assert "has an index of each wall" in damage_command("compare", out, out, status=2).stderr
