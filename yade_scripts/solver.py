@@ -130,16 +130,16 @@ class YadeSolver(Solver):
     def spread(self, shares):
         self._held = np.flatnonzero(shares)
         self._shares = shares[self._held]
-        self._place = float(self._shares @ self.scene.motion(self._held)[self._held, 0])
+        self._place = float(self._shares @ self.scene.pushed(self._held))
 
     def _spread(self):
         """Add the force of the spreader beam to those of the next step, after which the mean
         displacement of its bodies by their shares is that of the machine; damped by YADE's rule."""
-        dt, held, shares = self.time_step, self._held, self._shares
-        mass, place = self.layout.bodies.mass[held], self.scene.motion(held)[held, 0]
-        speed = np.array([self.scene.states[body].vel[0] for body in held])
+        dt, held, shares, scene = self.time_step, self._held, self._shares, self.scene
+        mass, place, axis = self.layout.bodies.mass[held], scene.pushed(held), scene.push_axis
+        speed = np.array([scene.states[body].vel.dot(axis) for body in held])
         own = np.array(
-            [sum(O.forces.f(cell, True)[0] for cell in self.scene.members[body]) for body in held]
+            [sum(O.forces.f(cell, True).dot(axis) for cell in scene.members[body]) for body in held]
         )
         force = self._push_force()
         change = (self._place - shares @ place) / dt - shares @ speed
@@ -150,7 +150,7 @@ class YadeSolver(Solver):
         self._place += dt * self._velocity
         self.scene.on_top[held, 0] = shares * force
         for body, share in zip(held, shares):
-            O.forces.addF(self.model.clumps[body], Vector3(share * force, 0, 0))
+            O.forces.addF(self.model.clumps[body], float(share * force) * axis)
 
     def _held_rotations(self):
         """Rotations of the held bodies [rad]."""

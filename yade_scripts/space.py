@@ -29,6 +29,7 @@ class SpaceReader(SceneReader):
         self._bodies = BodyNumbers(model.turning)
         turn = np.radians(space.house.heading)
         self._heading = np.round([np.cos(turn), np.sin(turn)], 15)
+        self.push_axis = Vector3(*self._heading, 0)
         # about the axes of a body: along, across and upwards
         self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
         # of dry joints, which stay in their rows
@@ -66,6 +67,9 @@ class SpaceReader(SceneReader):
         return np.column_stack(
             [moved[:, 0], moved[:, 2], -turned[:, 1], moved[:, 1], turned[:, 0], turned[:, 2]]
         )
+
+    def pushed(self, bodies):
+        return ((self._now()[0] - self.start) @ [*self._heading, 0.0])[bodies]
 
     def displacements(self, joints):
         """Opening and (complex) shear displacement of contact points (m,) [m], along the axes of
@@ -112,6 +116,7 @@ class SpaceReader(SceneReader):
                 moment += (O.bodies[member].state.pos - state.pos).cross(on_it)
                 moment += O.forces.t(member, True)
             row[:] = (*force, *moment)
+        found[:, :2] += self.on_top[:, :1] * self._heading
         return found
 
     def plane_resultants(self):

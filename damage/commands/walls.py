@@ -23,7 +23,7 @@ from damage.wall import as_built, materials
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
-from damage.wall.house import read_house
+from damage.wall.house import is_house, read_house
 from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
@@ -41,7 +41,7 @@ def _materials(asked):
 
 
 @command(
-    "natural periods of a wall or a house with intact joints",
+    "natural periods of a wall with intact joints",
     WALL,
     group(
         "model",
@@ -64,9 +64,6 @@ def _materials(asked):
     examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"),
 )
 def _modes(asked):
-    if is_house(asked.wall):
-        _modes_of_house(asked)
-        return
     layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
@@ -93,32 +90,9 @@ def _modes(asked):
         *as_built.describe_lintels(plan),
         sep="\n",
     )
-    found = {"period_s": periods, "critical_time_step_s": modes.critical_time_step_s}
-    print(_describe_modes(found))
-
-
-def _modes_of_house(asked):
-    if asked.out:
-        raise InputError(
-            f"modes of the house {asked.wall} with --out: expected no picture, shapes of houses are"
-            " not drawn; leave it out"
-        )
-    modes = natural_modes(house_layout(asked))
-    found = {
-        "period_s": [float(period) for period in modes.period_s],
-        "critical_time_step_s": modes.critical_time_step_s,
-    }
-    show(asked, found, _describe_modes)
-
-
-def _describe_modes(found):
-    periods = enumerate(found["period_s"], start=1)
-    return "\n".join(
-        [
-            *(f"mode {number}: {period:.5f} s" for number, period in periods),
-            f"critical time step: {found['critical_time_step_s']:.4g} s",
-        ]
-    )
+    for number, period in enumerate(periods, start=1):
+        print(f"mode {number}: {period:.5f} s")
+    print(f"critical time step: {modes.critical_time_step_s:.4g} s")
 
 
 @command(
@@ -140,34 +114,15 @@ def _draw(asked):
     if is_house(asked.wall):
         from damage.draw.house import house_preview
 
-        layout = house_layout(asked)
-        name, figure = layout.space.house.name, house_preview(layout)
+        wall = read_house(asked.wall)
+        figure = house_preview(lay_out_house(wall, model_of(asked)))
     else:
         wall = plausible_wall(asked, asked.wall)
-        layout, name = lay_out(wall, model_of(asked)), wall.name
+        layout = lay_out(wall, model_of(asked))
         supports = tuple(zip(layout.supports.left, layout.supports.right))
         figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
-    print(save_picture(figure, asked.out or Path(f"{name}.png"), f"wall {shown_path(asked.wall)}"))
-
-
-def is_house(path):
-    """Whether a file is of a house; anything else that takes a wall says what is wrong with it."""
-    path = Path(path)
-    return (
-        path.suffix.lower() == ".toml"
-        and path.is_file()
-        and "[[walls]]" in path.read_text(encoding="utf-8", errors="replace")
-    )
-
-
-def house_layout(asked):
-    """The Layout of the house of a file, the values of its walls checked unless a command's options
-    accept all."""
-    house = read_house(asked.wall)
-    if not asked.accept_implausible:
-        for placed in house.walls:
-            check_plausible(placed.wall)
-    return lay_out_house(house, model_of(asked))
+    made = f"wall {shown_path(asked.wall)}"
+    print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), made))
 
 
 def plausible_wall(asked, path):

@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -30,13 +31,11 @@ from damage.history.moments import (
     check_samples,
     joint_states,
     nearest_snapshot,
-    state_codes,
 )
-from damage.index import THRESHOLD
 from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
-from damage.units import MILLIMETRE
-from damage.wall.geometry import body_table, displaced, joint_table, kinds_of_bodies
-from damage.wall.kinds import TINY
+from damage.wall.geometry import body_table, joint_table, kinds_of_bodies
+from damage.wall.house import outline
+from damage.wall.kinds import SLAB_COURSE, TINY
 from damage.wall.placing import FACES
 from damage.wall.plan import plan_of
 
@@ -50,8 +49,9 @@ SIDES = np.array(
 ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
 """Where one looks from: above the horizon, and beside the normal of the first wall."""
 AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
-OTHER_COLOUR = "0.85"
 DARKEST = 0.8  # share of its colour that a side has which the light does not reach
+FLOORS = {"concrete": style.BODY_COLOURS["slabs"], "timber": style.SAND}
+SECTION_M = 1.0  # height of the plan
 ARROW = {"arrowstyle": "->", "lw": 0.8, "color": style.DARK}
 BEFORE_M = 0.001  # cracks before the bricks beside them
 VISIBLE_SHARE = 0.05  # largest drawn displacement over the height of the house
@@ -68,21 +68,39 @@ def moment_of(history, sample):
     return sample, float(damage[sample]), nearest_snapshot(history, time_s)
 
 
-def cracks(space, sample, snapshot, magnify=1.0):
-    """Cracks of both faces of all walls at a sample; space: InSpace.  Ends (n, 2, 3) [m], code of
-    JOINT_STATES (n,), width (n,) [m], the face's normal (n, 3), and the bodies of the joint, -1 the
-    ground (n, 2)."""
-    history, house, codes = space.history, space.history.house, joint_states(space.history, sample)
-    on_face = (house.joint_wall >= 0) & (np.abs(house.joint_y_m) > TINY)
-    chosen = np.flatnonzero(on_face & (codes > JOINT_STATES.index("broken")))
-    normals = history.placing.axes[house.joint_wall[chosen], 1]
-    return (
-        space.ends(snapshot, magnify, chosen),
-        codes[chosen],
-        widths(history, sample)[chosen],
-        np.sign(house.joint_y_m[chosen])[:, None] * normals,
-        space.joint_bodies[chosen],
-    )
+def cracks(space, sample, snapshot, magnify, joints):
+    """Ends (n, 2, 3) [m], codes of JOINT_STATES (n,), widths (n,) [m] and bodies, -1 the ground
+    (n, 2), of failed contact points of an InSpace among these (n_joints,) bool; their indices."""
+    codes = joint_states(space.history, sample)
+    chosen = np.flatnonzero(joints & (codes > JOINT_STATES.index("intact")))
+    ends = space.ends(snapshot, magnify, chosen)
+    width = widths(space.history, sample)[chosen]
+    return (ends, codes[chosen], width, space.joint_bodies[chosen]), chosen
+
+
+def corner_cracks(space, number, sample, snapshot, magnify):
+    """As `cracks`, of the joints of a wall, by its number, to others, as one sees them who stands
+    before it: one of each pair of bricks and kind, in the gravest state of its points."""
+    history, placing, found = space.history, space.history.placing, []
+    codes, width = joint_states(history, sample), widths(history, sample)
+    pairs = [
+        joints for walls, joints in corner_joints(history).items() if placing.names[number] in walls
+    ]
+    joints = np.concatenate([*pairs, np.zeros(0, int)])
+    places = placing.in_wall(number, space.joint_ends[joints].mean(axis=1))
+    table = history.joints.iloc[joints]
+    groups = table.groupby(["first_body", "second_body", "kind"], observed=True).indices
+    for (first, second, kind), rows in groups.items():
+        ends, points = np.tile(places[rows].mean(axis=0), (2, 1)), joints[rows]
+        along = places[rows, 2 if kind == "head" else 0]
+        ends[:, 2 if kind == "head" else 0] = along.min(), along.max()
+        found.append((ends, codes[points].max(), width[points].max(), (first, second)))
+    if not found:
+        return np.zeros((0, 2, 3)), np.zeros(0, int), np.zeros(0), np.zeros((0, 2), int)
+    ends, codes, width, bodies = map(np.array, zip(*found))
+    ends = placing.in_house(np.full(len(ends), number), ends)
+    ends = sum(space.moved(body, ends, snapshot, magnify) for body in bodies.T) / 2
+    return ends, codes, width, bodies
 
 
 def widths(history, sample):
@@ -103,65 +121,111 @@ def magnification(space, snapshots):
     return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
 
 
-# --- unfolded ------------------------------------------------------------------------------------
+def _widest(history, span_m, page_pt):
+    """`widest_line` of a house that spans so much on a page."""
+    bricks = history.bodies["course"] >= 0
+    return widest_line(history.bodies["height_m"][bricks].min(), span_m, page_pt)
 
 
-@style.styled
-def elevation_picture(history, sample="max", magnify=None):
-    """Figure of the walls of a house side by side, each from the side of its negative y, with the
-    cracks of its face outside, and below of that inside; joints to other walls with both.
+# --- as one sees it ------------------------------------------------------------------------------
 
-    sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
-    factor on displacements and rotations, None for one that makes them visible.
+
+class Before:
+    """The eye of who stands before a face of a wall, by its number and the sign of its y: places
+    along the wall and upwards, without perspective."""
+
+    def __init__(self, placing, number, sign):
+        self.placing, self.number = placing, number
+        self.towards = self.light = sign * placing.axes[number, 1]
+
+    def project(self, places):
+        """Places (..., 3) [m] of the house on the face, (..., 2) [m]."""
+        left = self.placing.left[self.number]
+        return self.placing.in_wall(self.number, places)[..., [0, 2]] - [left, 0.0]
+
+    def sees(self, places, normals):
+        """Whether planes with normals (..., 3) show their fronts, (...,) bool."""
+        return normals @ self.towards > 0
+
+    def in_band(self, boxes):
+        """Which boxes (n, 8, 3) [m] are in the wall, or reach into it, (n,) bool."""
+        local = self.placing.in_wall(self.number, boxes)[..., :2]
+        left, length = (getattr(self.placing, one)[self.number] for one in ("left", "length"))
+        half = self.placing.thickness[self.number] / 2
+        least, most = np.array([left, -half]), np.array([left + length, half])
+        common = np.minimum(local.max(axis=1), most) - np.maximum(local.min(axis=1), least)
+        return (common > TINY).all(axis=1)
+
+
+class Eye:
+    """Perspective of a house from an azimuth in plan [deg]; middle [m] and radius [m] of what is
+    seen."""
+
+    def __init__(self, azimuth, middle, radius):
+        turn, above = np.radians([azimuth, ABOVE_DEG])
+        towards = [np.cos(above) * np.cos(turn), np.cos(above) * np.sin(turn), np.sin(above)]
+        self.towards, self.right = np.array(towards), np.array([-np.sin(turn), np.cos(turn), 0.0])
+        self.light = self.right / 2 + [0.0, 0.0, 0.9]
+        self.middle, self.distance = middle, AWAY * radius
+
+    def project(self, places):
+        """Places (..., 3) [m] on the picture, (..., 2) [m], in scale at the middle."""
+        away = places - self.middle
+        scale = self.distance / (self.distance - away @ self.towards)
+        up = np.cross(self.towards, self.right)
+        return np.stack([away @ self.right, away @ up], -1) * scale[..., None]
+
+    def sees(self, places, normals):
+        """Whether planes at places with normals (..., 3) show their fronts, (...,) bool."""
+        place = self.middle + self.distance * self.towards
+        return np.sum((place - places) * normals, axis=-1) > 0
+
+
+def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None)):
+    """Draw bodies, by their corners (n_bodies, 8, 3) [m], those that are shown, and `cracks` into a
+    PolyCollection, from back to front.
+
+    Course by course upwards: as the eye is above all of them, a lower one hides nothing of a higher
+    one; in a course from far to near.
     """
-    space = InSpace(history)
-    sample, damage, snapshot = moment_of(history, sample)
-    magnify = magnification(space, [snapshot]) if magnify is None else magnify
-    parts = history.parts
-    widths = [part.attributes["length_m"] for part in parts]
-    height = max(part.attributes["height_m"] for part in parts)
-    figure, axes = grid(2, len(parts), 1.0, sharey=True, width_ratios=widths)
-    page_m = sum(widths) + 0.3 * len(widths)
-    panel = (PAGE_WIDTH - 0.6) * height / page_m + 0.25
-    figure.set_size_inches(PAGE_WIDTH, 2 * min(panel, 3.5) + 0.35)
-    points = 72 * (PAGE_WIDTH - 0.6) / page_m * np.array([page_m, height])
-    drawn = []
-    for row, face in zip(axes, FACES):
-        for number, (ax, part) in enumerate(zip(row, parts)):
-            seen = part.of_face(face)
-            one = shape_at(seen, sample, damage, magnify=magnify, snapshot=snapshot)
-            one = _with_corners(one, history, number, sample, snapshot)
-            drawn.append(one.on_page(points, (page_m, height)))
-            style.add_bodies(
-                ax,
-                _of_other_walls(space, number, face, snapshot, magnify),
-                OTHER_COLOUR,
-                "0.75",
-                0.2,
-                zorder=0.5,
-            )
-            run.draw_wall(ax, drawn[-1])
-            ax.label_outer()
-            side = "+y" if history.placing.sign_of(face)[number] > 0 else "-y"
-            ax.set_title(f"{part.wall}, {face} ({side})", loc="left", fontsize=7)
-    every = replace(
-        drawn[0],
-        **{
-            name: np.concatenate([getattr(one, name) for one in drawn])
-            for name in ("kinds", "elastic", "crack_width_m")
-        },
+    ends, codes, width, joined = lines
+    sides, centre = corners[shown][:, SIDES], corners.mean(axis=1)
+    outwards = sides.mean(axis=2) - centre[shown, None]
+    seen = eye.sees(sides.mean(axis=2), outwards)
+    of = np.arange(len(corners))[shown][np.nonzero(seen)[0]]
+    level = np.append(history.bodies["z_m"].round(3), -np.inf)
+    near = np.append(centre @ eye.towards, -np.inf)
+    normal = outwards[seen] / np.linalg.norm(outwards[seen], axis=1, keepdims=True)
+    light = DARKEST + (1 - DARKEST) * np.clip(normal @ eye.light, 0, 1)
+    kinds = kinds_of_bodies(history.bodies["course"])[of]
+    paint = np.array([to_rgb(style.BODY_COLOURS[kind]) for kind in kinds]) * light[:, None]
+    colours = np.array([to_rgb(run.JOINT_COLOURS[state]) for state in JOINT_STATES])[codes]
+    order = np.lexsort(
+        (
+            np.append(near[of], near[joined].max(axis=1) + BEFORE_M),
+            np.append(level[of], level[joined].max(axis=1)),
+        )
     )
-    style.add_title(
-        figure,
-        history,
-        _moment(history, sample, damage, snapshot, magnify),
-        "all faces as seen from the wall's negative y",
+    places = [*eye.project(sides[seen]), *eye.project(ends)]
+    collection.set_verts([places[k] for k in order])
+    collection.set(
+        facecolor=np.concatenate([paint, colours])[order],
+        edgecolor=np.concatenate([np.full_like(paint, 0.5), colours])[order],
+        linewidth=np.append(np.full(len(of), 0.15), line_width(width, widest_pt))[order],
     )
-    handles = run.joint_handles(every)
-    handles.append(style.area_handle(OTHER_COLOUR, "brick of the other wall", "0.75"))
-    style.legend_below(figure, handles, 6)
-    style.settle_layout(figure)
-    return figure
+
+
+def legend_of(history, sample, widest_pt):
+    """Handles of the states and widths of cracks, and of the kinds of bodies, of a house."""
+    one = shape_at(history.parts[0], sample, 0.0, magnify=0.0)
+    shape = replace(
+        one,
+        elastic=np.zeros(1, bool),
+        kinds=kinds_of_bodies(history.bodies["course"]),
+        crack_width_m=widths(history, sample),
+        widest_pt=widest_pt,
+    )
+    return [one for one in run.joint_handles(shape) if one.get_label() != "intact"]
 
 
 def _moment(history, sample, damage, snapshot, magnify):
@@ -174,130 +238,43 @@ def _moment(history, sample, damage, snapshot, magnify):
     return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}; {shown}"
 
 
-def _of_other_walls(space, number, face, snapshot, magnify):
-    """Ends of bricks of other walls in the corners of a wall, by its number, as its face shows
-    them: (n, 4, 2) [m]."""
-    history, placing = space.history, space.history.placing
-    sign, half = placing.sign_of(face)[number], placing.thickness[number] / 2
-    where = [
-        placing.in_wall(number, space.corners(*how).reshape(-1, 3)).reshape(-1, 8, 3)
-        for how in ((None,), (snapshot, magnify))
-    ]
-    low, high = where[0].min(axis=1), where[0].max(axis=1)
-    start = placing.left[number]
-    least, most = np.array([start, -half]), np.array([start + placing.length[number], half])
-    within = np.minimum(high[:, :2], most) - np.maximum(low[:, :2], least) > TINY
-    chosen = within.all(axis=1) & (history.house.body_wall != number)
-    sides = where[1][chosen][:, SIDES]
-    seen = sides[np.arange(len(sides)), (sign * sides[..., 1]).mean(axis=2).argmax(axis=1)]
-    return seen[..., [0, 2]] - [start, 0.0]
+@style.styled
+def elevation_picture(history, sample="max", magnify=None):
+    """Figure of the walls of a house side by side, above with the cracks of their faces outside,
+    below inside, each face as one sees it who stands before it; joints to other walls in both.
 
-
-def _with_corners(shape, history, number, sample, snapshot):
-    """A WallShape of a wall, by its number, with its joints to other walls."""
-    house, placing, found = history.house, history.placing, []
-    opening, offset = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
-    for walls, joints in corner_joints(history).items():
-        if placing.names[number] not in walls:
-            continue
-        table = history.joints.iloc[joints]
-        local = table[["x_m", "y_m", "z_m"]].to_numpy()
-        of = np.full(len(local), placing.names.index(walls[0]))
-        places = placing.in_wall(number, placing.in_house(of, local[:, None])[:, 0])
-        for (first, second, _), rows in table.groupby(
-            ["first_body", "second_body", "kind"], observed=True
-        ).indices.items():
-            low, high = places[rows].min(axis=0), places[rows].max(axis=0)
-            if high[2] - low[2] > TINY:  # upright: seen from its edge, or in the middle of its face
-                low[0] = high[0] = (low[0] + high[0]) / 2
-            points = joints[rows]
-            found.append(
-                (
-                    [low[[0, 2]], high[[0, 2]]],
-                    first if house.body_wall[first] == number else second,
-                    (opening[points] > THRESHOLD).any(),
-                    (offset[points] > THRESHOLD).any(),
-                    history.broken[sample, points].any(),
-                    np.hypot(opening[points], offset[points]).max(),
-                )
-            )
-    if not found:
-        return shape
-    ends, body, opened, slipped, broken, width = map(np.array, zip(*found))
-    motion = (
-        np.zeros((len(history.bodies), 3)) if snapshot is None else history.displacement[snapshot]
-    )
-    ends = displaced(history.bodies, motion, body.astype(int), ends, shape.magnification)
-    return replace(
-        shape,
-        segments=np.concatenate([shape.segments, ends - [placing.left[number], 0.0]]),
-        state=np.append(shape.state, state_codes(opened, slipped, broken)),
-        elastic=np.append(shape.elastic, np.zeros(len(ends), bool)),
-        crack_width_m=np.append(shape.crack_width_m, width),
-    )
-
-
-# --- in perspective ------------------------------------------------------------------------------
-
-
-class Eye:
-    """Perspective of a house from an azimuth in plan [deg]; middle [m] and radius [m] of what is
-    seen."""
-
-    def __init__(self, azimuth, middle, radius):
-        turn, above = np.radians([azimuth, ABOVE_DEG])
-        towards = [np.cos(above) * np.cos(turn), np.cos(above) * np.sin(turn), np.sin(above)]
-        self.towards, self.right = np.array(towards), np.array([-np.sin(turn), np.cos(turn), 0.0])
-        self.up = np.cross(self.towards, self.right)
-        self.middle, self.distance = middle, AWAY * radius
-        self.place = middle + self.distance * self.towards
-
-    def project(self, places):
-        """Places (..., 3) [m] on the picture, (..., 2) [m], in scale at the middle."""
-        away = places - self.middle
-        scale = self.distance / (self.distance - away @ self.towards)
-        return np.stack([away @ self.right, away @ self.up], -1) * scale[..., None]
-
-    def sees(self, places, normals):
-        """Whether planes at places with normals (..., 3) show their fronts, (...,) bool."""
-        return np.sum((self.place - places) * normals, axis=-1) > 0
-
-
-def polygons(space, eye, sample, snapshot, magnify, widest_pt):
-    """What a PolyCollection of an InSpace needs, from back to front: places [m], colours of faces
-    and edges, widths [pt].
-
-    Course by course upwards: as the eye is above all of them, a lower one hides nothing of a higher
-    one; in a course from far to near.
+    sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
+    factor on displacements and rotations, None for one that makes them visible.
     """
-    bodies, corners = space.history.bodies, space.corners(snapshot, magnify)
-    sides = corners[:, SIDES]  # (n_bodies, 6, 4, 3)
-    outwards = sides.mean(axis=2) - corners.mean(axis=1, keepdims=True)
-    seen = eye.sees(sides.mean(axis=2), outwards)
-    of = np.nonzero(seen)[0]
-    level = np.append(bodies["z_m"].round(3), -np.inf)
-    near = np.append((corners.mean(axis=1) - eye.middle) @ eye.towards, -np.inf)
-    normal = outwards[seen] / np.linalg.norm(outwards[seen], axis=1, keepdims=True)
-    light = DARKEST + (1 - DARKEST) * np.clip(normal @ (eye.right / 2 + [0, 0, 0.9]), 0, 1)
-    kinds = kinds_of_bodies(bodies["course"])[of]
-    paint = np.array([to_rgb(style.BODY_COLOURS[kind]) for kind in kinds]) * light[:, None]
-    ends, codes, width, normals, joined = cracks(space, sample, snapshot, magnify)
-    visible = eye.sees(ends.mean(axis=1), normals)
-    joined, codes, width = joined[visible], codes[visible], width[visible]
-    colours = np.array([to_rgb(run.JOINT_COLOURS[state]) for state in JOINT_STATES])[codes]
-    order = np.lexsort(
-        (
-            np.append(near[of], near[joined].max(axis=1) + BEFORE_M),
-            np.append(level[of], level[joined].max(axis=1)),
-        )
-    )
-    places = [*eye.project(sides[seen]), *eye.project(ends[visible])]
-    return (
-        [places[k] for k in order],
-        np.concatenate([paint, colours])[order],
-        np.concatenate([np.full_like(paint, 0.5), colours])[order],
-        np.append(np.full(len(of), 0.15), line_width(width, widest_pt))[order],
-    )
+    space, placing, house = InSpace(history), history.placing, history.house
+    sample, damage, snapshot = moment_of(history, sample)
+    magnify = magnification(space, [snapshot]) if magnify is None else magnify
+    span = np.array([sum(placing.length + 0.3), space.boxes[..., 2].max()])
+    scale = min((PAGE_WIDTH - 0.6) / span[0], 3.5 / span[1])  # [inch/m]
+    widest_pt = _widest(history, span, 72 * scale * span)
+    figure, axes = grid(2, len(placing.names), 1.0, sharey=True, width_ratios=placing.length)
+    figure.set_size_inches(PAGE_WIDTH, 2 * scale * span[1] + 0.85)
+    corners = space.corners(snapshot, magnify)
+    for row, face in zip(axes, FACES):
+        for number, (ax, sign) in enumerate(zip(row, placing.sign_of(face))):
+            eye = Before(placing, number, sign)
+            on_face = (house.joint_wall == number) & (np.sign(house.joint_y_m) == sign)
+            lines, _ = cracks(space, sample, snapshot, magnify, on_face)
+            more = corner_cracks(space, number, sample, snapshot, magnify)
+            lines = [np.concatenate(both) for both in zip(lines, more)]
+            drawn, shown = ax.add_collection(PolyCollection([])), eye.in_band(space.boxes)
+            draw(drawn, history, eye, corners, lines, widest_pt, shown)
+            run.show_all(ax, eye.project(corners[history.house.body_wall == number]))
+            if sign > 0:
+                ax.invert_xaxis()
+            if number:
+                ax.set_ylabel("")
+            ax.set_title(f"{placing.names[number]}, {face}", loc="left", fontsize=7)
+    moment = _moment(history, sample, damage, snapshot, magnify)
+    style.add_title(figure, history, moment, "each face as one sees it who stands before it")
+    style.legend_below(figure, legend_of(history, sample, widest_pt), 6)
+    style.settle_layout(figure)
+    return figure
 
 
 class Perspective:
@@ -311,57 +288,50 @@ class Perspective:
         self.radius = float(np.linalg.norm(self.high - self.low) / 2)
         outside = placing.sign_of("outside")[0] * placing.axes[0, 1]
         self.azimuth = float(np.degrees(np.arctan2(outside[1], outside[0]))) + BESIDE_DEG
-        span = 2 * self.radius
-        brick_m = history.bodies["height_m"][history.bodies["course"] >= 0].min()
-        self.widest_pt = widest_line(brick_m, (span, span), page_pt)
+        self.widest_pt = _widest(history, (2 * self.radius,) * 2, page_pt)
         self.ground, self.drawn = (ax.add_collection(PolyCollection([])) for _ in range(2))
         self.ground.set(facecolor=style.GROUND_COLOUR, edgecolor="none")
-        self.drawn.set(joinstyle="round")
         self.ax = ax
         ax.set(aspect="equal")
         ax.axis("off")
 
     def show(self, sample, snapshot, magnify, azimuth=None):
         """Draw a sample and snapshot, with displacements by a factor."""
+        history, house = self.space.history, self.space.history.house
         azimuth = self.azimuth if azimuth is None else azimuth
         eye = Eye(azimuth, self.middle, self.radius)
-        places, face, edge, width = polygons(
-            self.space, eye, sample, snapshot, magnify, self.widest_pt
+        on_face = (house.joint_wall >= 0) & (np.abs(house.joint_y_m) > TINY)
+        lines, joints = cracks(self.space, sample, snapshot, magnify, on_face)
+        normals = history.placing.axes[house.joint_wall[joints], 1]
+        normals = normals * np.sign(house.joint_y_m[joints, None])
+        seen = eye.sees(lines[0].mean(axis=1), normals)
+        lines = [values[seen] for values in lines]
+        corners = self.space.corners(snapshot, magnify)
+        draw(self.drawn, history, eye, corners, lines, self.widest_pt)
+        ground = self._around(0.12) * [1.0, 1.0, 0.0]
+        self.ground.set_verts([eye.project(ground[[0, 1, 3, 2]])])
+
+    def _around(self, share):
+        """Corners of a box with a margin, the lower ones first, (8, 3) [m]."""
+        margin = share * self.radius
+        low, high = self.low - margin, self.high + margin
+        return np.array(
+            [
+                (x, y, z)
+                for z in (low[2], high[2])
+                for x in (low[0], high[0])
+                for y in (low[1], high[1])
+            ]
         )
-        self.drawn.set_verts(places)
-        self.drawn.set(facecolor=face, edgecolor=edge, linewidth=width)
-        margin = 0.12 * self.radius
-        (x0, y0), (x1, y1) = self.low[:2] - margin, self.high[:2] + margin
-        ground = np.array([(x0, y0, 0.0), (x1, y0, 0.0), (x1, y1, 0.0), (x0, y1, 0.0)])
-        self.ground.set_verts([eye.project(ground)])
 
     def fit(self, azimuths):
         """Set the limits of the axes to what is seen from these azimuths [deg]; returns height over
         width."""
-        margin = 0.15 * self.radius
-        low, high = self.low - margin, self.high + margin
-        corners = np.array(np.meshgrid(*zip(low, high))).reshape(3, -1).T
-        seen = np.concatenate(
-            [Eye(one, self.middle, self.radius).project(corners) for one in azimuths]
-        )
-        low, high = seen.min(axis=0), seen.max(axis=0)
+        around = self._around(0.15)
+        seen = [Eye(one, self.middle, self.radius).project(around) for one in azimuths]
+        low, high = np.min(seen, axis=(0, 1)), np.max(seen, axis=(0, 1))
         self.ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         return (high[1] - low[1]) / (high[0] - low[0])
-
-
-def legend_of(history, sample, widest_pt):
-    """Handles of the states and widths of cracks, and of the kinds of bodies, of a house."""
-    part = history.parts[0]
-    one = shape_at(part, sample, 0.0, magnify=0.0)
-    shape = replace(
-        one,
-        elastic=np.zeros(1, bool),
-        kinds=kinds_of_bodies(history.bodies["course"]),
-        crack_width_m=widths(history, sample),
-        widest_pt=widest_pt,
-    )
-    unseen = {"intact", f"failed, ≤ {THRESHOLD / MILLIMETRE:g} mm"}
-    return [one for one in run.joint_handles(shape) if one.get_label() not in unseen]
 
 
 @style.styled
@@ -393,32 +363,23 @@ def walls_picture(history):
     """Figure over time: damage index, drift along and across each wall, opening of the corners."""
     check_samples(history)
     walls, corners = walls_table(history), corners_table(history)
-    names, pairs = history.placing.names, list(dict.fromkeys(corners["corner"]))
-    n_panels = 3 + bool(pairs)
-    figure, axes = style.new_figure(1.15 * n_panels, rows=n_panels, sharex=True)
-    columns = (
-        ("DI", 1.0, "DI [-]", "damage index"),
-        ("drift_ratio", 100.0, "drift [%]", "drift along the wall"),
-        ("drift_across_ratio", 100.0, "drift [%]", "drift across the wall"),
-    )
-    for number, (ax, (name, factor, label, words)) in enumerate(zip(axes, columns)):
-        for wall, (colour, line) in zip(names, LINES):
-            one = walls[walls["wall"] == wall]
-            ax.plot(one["time_s"], factor * one[name], color=colour, ls=line, label=wall)
+    panels = [
+        (walls, "wall", "DI", 1.0, "DI [-]", "damage index"),
+        (walls, "wall", "drift_ratio", 100.0, "drift [%]", "drift along the wall"),
+        (walls, "wall", "drift_across_ratio", 100.0, "drift [%]", "drift across the wall"),
+        (corners, "corner", "opening_m", 1e3, "opening [mm]", "corners, widest opening"),
+    ][: 3 + (len(corners) > 0)]
+    figure, axes = style.new_figure(1.15 * len(panels), rows=len(panels), sharex=True)
+    lines = dict(zip([*walls["wall"].unique(), *corners["corner"].unique()], LINES))
+    for number, (ax, (table, key, name, factor, label, words)) in enumerate(zip(axes, panels)):
+        for one, rows in table.groupby(key, sort=False):
+            colour, line = lines[one]
+            ax.plot(rows["time_s"], factor * rows[name], color=colour, ls=line, label=one)
         ax.set_ylabel(label)
         letter(ax, number, words)
-    handles = axes[0].get_lines()[:]
-    if pairs:
-        for pair, (colour, line) in zip(pairs, LINES[len(names) :]):
-            one = corners[corners["corner"] == pair]
-            axes[3].plot(
-                one["time_s"], one["opening_m"] / MILLIMETRE, color=colour, ls=line, label=pair
-            )
-        axes[3].set_ylabel("opening [mm]")
-        letter(axes[3], 3, "corners, widest opening")
-        from_zero(axes[3])
-        handles += axes[3].get_lines()[:]
-    from_zero(axes[0])
+    for ax in axes[::3]:
+        from_zero(ax)
+    handles = [line for ax in axes[::3] for line in ax.get_lines()]
     figure.align_ylabels()
     style.add_title(figure, history)
     marks = style.mark_times(history, axes)
@@ -434,7 +395,9 @@ def house_preview(layout):
     """Figure of a house before it is run: its plan, with corners and the direction of the motion,
     and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
     house, space, handles = layout.space.house, layout.space, {}
-    walls, n = [one.wall for one in house.walls], layout.n_joints
+    walls, n = [one.wall for one in house.bearing], layout.n_joints
+    concrete = [one for one in house.floors if one.kind == "concrete"]
+    concrete.sort(key=lambda floor: floor.level)
     lengths = [wall.length for wall in walls]
     scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
     ends = np.concatenate([_outline(one) for one in house.walls])
@@ -447,8 +410,14 @@ def house_preview(layout):
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
         on_wall = middle & (space.joint_wall[:n] == number)
-        tables = bodies[space.wall == number], joints[on_wall]
-        tables = [one.assign(x_m=one["x_m"] - space.left[number]) for one in tables]
+        of = (space.wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
+        tables = [
+            one.assign(x_m=one["x_m"] - space.left[number]) for one in (bodies[of], joints[on_wall])
+        ]
+        slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
+        slabs = slabs[[wall.name in one.walls for one in concrete]]
+        slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
+        tables[0] = pd.concat([tables[0], slabs])
         found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
         handles |= {handle.get_label(): handle for handle in found}
         ax.set_title(wall.name, loc="left", fontsize=7)
@@ -471,14 +440,33 @@ def _outline(placed):
     return np.concatenate([ends - half, ends[::-1] + half])
 
 
+def _area(span):
+    """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
+    return [
+        one.origin + along * one.axes[0, :2]
+        for one, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
+    ]
+
+
 def _draw_plan(ax, house):
     """Draw the plan of a house; returns {label: handle} of a legend."""
     corners = np.array([_outline(one) for one in house.walls])
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    found = {}
+    for floor in house.floors:
+        carrying = house.carrying(floor)
+        spans = floor.spans(carrying) if floor.kind == "timber" else []
+        for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
+            (x0, y0), (x1, y1) = area
+            style.add_bodies(ax, [[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], FLOORS[floor.kind])
+        label = f"{floor.kind} floor at {floor.level:g} m"
+        found[label] = style.area_handle(FLOORS[floor.kind], label)
     style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
     for placed in house.walls:
         along, across = placed.axes[:2, :2]
         for opening in placed.wall.openings:
+            if not opening.sill <= SECTION_M < opening.sill + opening.height:
+                continue
             span = placed.origin + np.outer([opening.left, opening.left + opening.width], along)
             half = across * placed.wall.brick.thickness / 2
             style.add_bodies(
@@ -508,10 +496,10 @@ def _draw_plan(ax, house):
         aspect="equal",
         xlabel="x [m]",
         ylabel="y [m]",
-        title="plan",
+        title=f"plan at {SECTION_M:g} m",
     )
     ax.title.set(fontsize=7, ha="left", x=0.0)
-    return {
+    return found | {
         kind: style.mark_handle(marks[kind], f"{kind} corner")
         for kind in dict.fromkeys(one.kind for one in house.corners)
     }

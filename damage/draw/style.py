@@ -141,7 +141,8 @@ def add_title(figure, history, *more):
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
         lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
-    put_title(figure, [*lines, *more], TITLE_CHARACTERS, 0.02)
+    wide = figure.get_size_inches()[0] / COLUMN_WIDTH
+    put_title(figure, [*lines, *more], round(TITLE_CHARACTERS * wide), 0.02)
 
 
 def put_title(figure, lines, characters, x):

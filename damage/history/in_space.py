@@ -20,21 +20,18 @@ class InSpace:
     @cached_property
     def centres(self):
         """Of the bodies, then of the ground, (n_bodies + 1, 3) [m]."""
-        bodies = self.history.bodies
-        local = np.column_stack([bodies["x_m"], np.zeros(len(bodies)), bodies["z_m"]])
-        found = self.history.placing.in_house(self.history.house.body_wall, local[:, None])[:, 0]
+        bodies, house = self.history.bodies, self.history.house
+        local = np.column_stack([bodies["x_m"], house.body_y_m, bodies["z_m"]])
+        found = self.history.placing.in_house(house.body_wall, local[:, None])[:, 0]
         return np.vstack([found, np.zeros(3)])
 
     @cached_property
     def boxes(self):
         """Corners of the bodies at rest, (n_bodies, 8, 3) [m], as of BOX."""
-        bodies, placing, wall = (
-            self.history.bodies,
-            self.history.placing,
-            self.history.house.body_wall,
-        )
-        size = np.column_stack([bodies["length_m"], placing.thickness[wall], bodies["height_m"]])
-        return self.centres[:-1, None] + placing.turned(wall, size[:, None] / 2 * BOX)
+        bodies, house = self.history.bodies, self.history.house
+        half = np.column_stack([bodies["length_m"], house.body_depth_m, bodies["height_m"]]) / 2
+        turned = self.history.placing.turned(house.body_wall, half[:, None] * BOX)
+        return self.centres[:-1, None] + turned
 
     @cached_property
     def joint_bodies(self):

@@ -162,7 +162,9 @@ def describe(about):
 def flat(table, above=""):
     """(name with those of the tables above it, value) of all entries, however deep."""
     for name, value in table.items():
-        if isinstance(value, dict):
+        if above == "house." and name == "walls":
+            yield from flat({one["wall"]["name"]: one for one in value}, "house.walls.")
+        elif isinstance(value, dict):
             yield from flat(value, f"{above}{name}.")
         else:
             yield f"{above}{name}", value

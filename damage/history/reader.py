@@ -30,16 +30,17 @@ from damage.wall.space import SHARES
 
 class HouseRows(NamedTuple):
     """What the history of a house has beside that of a plane wall: number of the wall of each body
-    and of each contact point, -1 between two, and place of that and of each body's centre from the
-    wall's middle plane [m]; of each sample and wall displacement of the top along it, the largest
-    across it, and that of the top across it (n_times, n_walls) [m]; acceleration of the ground
-    across the heading (n_times,) [m/s2]; displacement across and rotations about the axes along the
-    wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
+    and of each contact point, -1 between two, place of that and of each body's centre from the
+    wall's middle plane, size of the bodies across it [m]; of each sample and wall displacement of
+    the top along it, the largest across it, and that of the top across it (n_times, n_walls) [m];
+    acceleration of the ground across the heading (n_times,) [m/s2]; displacement across and
+    rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
 
     body_wall: np.ndarray
     joint_wall: np.ndarray
     joint_y_m: np.ndarray
     body_y_m: np.ndarray
+    body_depth_m: np.ndarray
     top_displacement_m: np.ndarray
     across_m: np.ndarray
     top_across_m: np.ndarray
@@ -53,6 +54,7 @@ class HouseRows(NamedTuple):
             0 * self.joint_wall[joint],
             self.joint_y_m[joint],
             self.body_y_m[body],
+            self.body_depth_m[body],
             self.top_displacement_m[:, [number]],
             self.across_m[:, [number]],
             self.top_across_m[:, [number]],

@@ -247,6 +247,7 @@ PLACING = {
     "body_y_m": Column(
         "m", "only of a house: centre of each body from that plane, of a concrete floor not zero"
     ),
+    "body_depth_m": Column("m", "only of a house: size of each body across its wall"),
 }
 HOUSE = {
     "top_displacement_m": Column(
@@ -347,6 +348,7 @@ SHAPES = {
     "placing/joint_wall": ("joints",),
     "placing/joint_y_m": ("joints",),
     "placing/body_y_m": ("bodies",),
+    "placing/body_depth_m": ("bodies",),
     "static_stage": ("looks",),
 }
 """Of the datasets of a group, or of one: what they have as many of."""

@@ -241,7 +241,7 @@ class Run:
 
     def _take_hold(self):
         drive = self.settings.loading.drive
-        if drive.floor_shares:
+        if drive.floor_shares or (drive.top and self.layout.space):
             self.solver.spread(self.layout.push_shares(drive.floor_shares))
         elif drive.top:
             self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)

@@ -285,7 +285,11 @@ def check_house(settings, house):
         settings.check_plausible(placed.wall)
     drive = settings.loading.drive
     for what, given in (
-        ("a push or displacements of supports", drive.top or drive.supports),
+        ("displacements of supports", drive.supports),
+        (
+            "a pushed top that may not rotate freely",
+            drive.top and (not drive.top_rotates or drive.top_stiffness),
+        ),
         ("--settlement", settings.settlement),
         ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
@@ -295,8 +299,8 @@ def check_house(settings, house):
     ):
         if given:
             raise InputError(
-                f"house {house.name} with {what}: expected a motion of the base, or free vibration,"
-                " alone; leave it out"
+                f"house {house.name} with {what}: expected a motion of the base, a push, or free"
+                " vibration, alone; leave it out"
             )
 
 

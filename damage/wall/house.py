@@ -356,6 +356,16 @@ def _placed(path, number, table):
     return user_record(f"{path}, [[walls]] {number}", Placed, table | named)
 
 
+def is_house(path):
+    """Whether a file is a TOML file that places walls."""
+    path = Path(path)
+    return (
+        path.suffix == ".toml"
+        and path.is_file()
+        and "[[walls]]" in path.read_text("utf-8", "replace")
+    )
+
+
 def read_wall_or_house(path):
     """The House of a TOML file that places walls, else its damage.Wall."""
     table = read_toml(path, "a wall or a house as TOML", MOST_MB)

@@ -162,7 +162,7 @@ def test_a_house(clone, yade_command):
     assert [wall.wall for wall in house.parts] == ["front", "left", "right"]
     corners = pd.read_csv(clone / "small_tables_corners.csv")
     assert set(corners["corner"]) == {"front / left", "front / right"}
-    assert "front / right" in output and "mode 1: 0.0" in output
+    assert "front / right" in output
     pictures = "small.png", "small/space_max.png", "small/elevation_end.png", "left/wall_max.png"
     for name in (*pictures, "small.gif", "small.html", "small.vtkhdf"):
         assert (clone / name).stat().st_size > 10_000, name

@@ -33,8 +33,7 @@ def house_part(history, summaries):
         (
             elevation_picture(history),
             "All walls unfolded, with the cracks of both faces",
-            "Above the faces outside, below those inside, each from the side of the wall's negative"
-            " y; grey ends of bricks belong to the other wall of a corner.",
+            "Above from outside, below from inside, each face as one sees it who stands before it.",
         ),
         (
             space_picture(history),

@@ -1,6 +1,7 @@
 """Measures, places in space and pictures of a house whose history is made by hand."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +10,9 @@ from matplotlib.colors import to_rgb
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage.draw.house import Eye, Perspective, elevation_picture, save_all
+from damage.applications.report.vtkhdf import HouseCells
+from damage.draw import style
+from damage.draw.house import PICTURES, Eye, Perspective, elevation_picture
 from damage.draw.run import JOINT_COLOURS
 from damage.draw.style import new_figure
 from damage.history.in_space import InSpace
@@ -17,7 +20,8 @@ from damage.history.reader import read_history
 from damage.measure.house import corner_joints, corners_table, walls_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_table, write_run_tables
-from damage.wall.house import Corner, House, Placed
+from damage.wall.house import Corner, House, Placed, read_house
+from damage.wall.kinds import SLAB_COURSE
 from damage.wall.parameters import Brick, Wall
 from damage.wall.space import lay_out_house
 
@@ -124,30 +128,52 @@ def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
     )  # its thickness is 0.2
 
 
+def test_a_concrete_floor_is_a_box_over_its_walls(tmp_path):
+    lay = lay_out_house(read_house(REPOSITORY / "houses/terraced.toml"))
+    (slab,) = np.flatnonzero(lay.bodies.course == SLAB_COURSE)
+    box = InSpace(make_history(tmp_path / "a.h5", lay, stages=("motion",))).boxes[slab]
+    half = lay.wall.brick.thickness / 2  # front and back are 4.75 m apart, 4.5 m long
+    assert_allclose(box.min(axis=0), [0, -half, 2.25], atol=1e-9)
+    assert_allclose(box.max(axis=0), [4.5, 4.75 + half, 2.5], atol=1e-9)
+
+
+def test_paraview_has_the_boxes_and_where_they_go(house):
+    cells = HouseCells(house)
+    space, n = InSpace(house), 8 * len(house.bodies)
+    assert_allclose(cells.points[:n], space.boxes.reshape(-1, 3))
+    moved = cells.displacement(0)[:n].reshape(-1, 8, 3)
+    of_front = house.house.body_wall == 0
+    assert_allclose(
+        moved[of_front], np.broadcast_to([0, 0.004, 0], (of_front.sum(), 8, 3)), atol=1e-7
+    )
+    assert_allclose(moved[~of_front], 0, atol=1e-12)
+    joint = np.flatnonzero(house.house.joint_wall == 0)[0]  # on the ground: half of its brick's way
+    assert_allclose(cells.displacement(0)[n + 2 * joint], [0, 0.002, 0], atol=1e-7)
+    assert cells.numbers["DI_front"].max() > 0 == cells.numbers["DI_side"].max()
+
+
+def _are_opened(collection):
+    """Which of the polygons of a picture are cracks that opened."""
+    away = collection.get_facecolor()[:, :3] - to_rgb(JOINT_COLOURS["opened"])
+    return np.abs(away).max(axis=1) < 1e-6
+
+
 def test_unfolded_walls_show_the_crack_of_each_face(house):
     figure = elevation_picture(house, magnify=0)
-    assert [ax.get_title(loc="left") for ax in figure.axes] == [
-        "front, outside (-y)",
-        "side, outside (+y)",
-        "front, inside (+y)",
-        "side, inside (-y)",
-    ]
-    opened = [
-        next(one for one in ax.collections if one.get_label() == "opened") for ax in figure.axes
-    ]
-    cracks = [len(one.get_segments()) for one in opened]
-    assert cracks == [2, 1, 2, 1]  # its own, and that of the corner, which both walls have
-    widest = [max(one.get_linewidths()) for one in opened]
-    assert widest[0] > widest[2] > 0
+    words = "front, outside", "side, outside", "front, inside", "side, inside"
+    assert tuple(ax.get_title(loc="left") for ax in figure.axes) == words
+    assert [ax.xaxis_inverted() for ax in figure.axes] == [False, True, True, False]
+    drawn = [ax.collections[0] for ax in figure.axes]
+    opened = [np.array(one.get_linewidths())[_are_opened(one)] for one in drawn]
+    assert list(map(len, opened)) == [2, 1, 2, 1]  # its own, and the corner's, which both have
+    assert max(opened[0]) > max(opened[2]) > 0
 
 
 def test_one_sees_the_cracks_of_faces_that_look_at_the_eye(house):
-    red = to_rgb(JOINT_COLOURS["opened"])
-
     def cracks(azimuth):
         seen = Perspective(new_figure(3)[1], house, (250, 250))
         seen.show(0, 0, 1.0, azimuth)
-        return int((np.abs(seen.drawn.get_facecolor()[:, :3] - red).max(axis=1) < 1e-6).sum())
+        return _are_opened(seen.drawn).sum()
 
     assert [cracks(azimuth) for azimuth in (-90, 90)] == [1, 1]
     eye = Eye(-90, np.array([0.5, 0.0, 0.4]), 1.0)
@@ -157,18 +183,21 @@ def test_one_sees_the_cracks_of_faces_that_look_at_the_eye(house):
     assert near[0] > 0.1  # what is nearer is larger
 
 
-def test_pictures_films_reports_and_paraview_take_a_house(house, tmp_path, output_of, error_of):
-    names = {path.name for path in save_all(house, tmp_path)}
-    assert {"elevation_max.png", "space_max.pdf", "walls.png", "energy.png"} <= names
-    for words, name in (
-        (("animate", house.path, "--out"), "a.gif"),
-        (("report", house.path, "--out"), "a.html"),
-        (("export", house.path, "--vtkhdf"), "a.vtkhdf"),
-        (("draw", BOX, "--out"), "a.svg"),
-    ):
-        output_of(*words, tmp_path / name)
-    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+def test_every_picture_of_a_house_is_drawn(house, tmp_path, output_of, monkeypatch):
+    monkeypatch.setattr(style, "FORMATS", ("png",))
+    drawn = output_of("plot", house.path, "--out", tmp_path).split()
+    assert {Path(one).stem for one in drawn} == set(PICTURES)
+    assert "toothed corner" in drawn_text(output_of("draw", BOX, "--out", tmp_path / "a.svg"))
+
+
+def drawn_text(path):
+    """The text of a picture."""
+    return Path(path.strip()).read_text(encoding="utf-8")
+
+
+def test_films_reports_and_paraview_take_a_house(house, tmp_path, output_of, error_of):
+    output_of("animate", house.path, "--out", tmp_path / "a.gif")
+    output_of("export", house.path, "--vtkhdf", tmp_path / "a.vtkhdf")
+    page = drawn_text(output_of("report", house.path, "--out", tmp_path / "a.html"))
     assert "front / side" in page and "Run B, side" in page
-    assert "toothed corner" in (tmp_path / "a.svg").read_text(encoding="utf-8")
-    assert "mode 1" in output_of("modes", BOX)
-    assert "expected no picture" in error_of("modes", BOX, "--out", tmp_path)
+    assert "expected one wall; houses run by ./yade" in error_of("modes", BOX)
