@@ -48,8 +48,8 @@ STEPS = 10, 96, 192, 400, 800
 an interval of ±10 of 100 takes."""
 
 USUAL = {"within_km": 3.5, "strong": (0.05, 0.15), "above_mm_s": 8.0}
-USUAL_REST_S = 0.2
-"""Of a claim where nothing is given: keys of its address, and the free vibration after an event."""
+USUAL_OPTIONS = {"rest": 0.2, "strength-cov": 0.3, "inputs": "typical"}
+"""Of a claim where nothing is given: keys of its address, options of its runs."""
 
 
 @dataclass(frozen=True)
