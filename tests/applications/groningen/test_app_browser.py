@@ -222,7 +222,7 @@ def test_from_an_empty_page_to_the_dutch_sheet_with_a_photograph(page, tmp_path)
     write(driver, "draws", "2")
     by(driver, "start").click()
     WebDriverWait(driver, 400).until(
-        lambda driver: by(driver, "said-compute").text not in ("", WORDS["running"]["nl"])
+        lambda driver: WORDS["running"]["nl"] not in by(driver, "said-compute").text != ""
     )
     log = driver.execute_script("return document.getElementById('log').textContent")
     assert by(driver, "said-compute").text == WORDS["done"]["nl"], log

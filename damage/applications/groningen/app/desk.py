@@ -20,7 +20,7 @@ import pandas as pd
 from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_cracks
 from damage.applications.cracks.survey import read_survey
 from damage.applications.groningen.app.photo import cleaned, homography, rectified
-from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_REST_S
+from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
 from damage.applications.groningen.claim.size import size_of
 from damage.applications.groningen.claim.twins import write_twins
@@ -143,7 +143,7 @@ class Desk:
         with TemporaryDirectory() as folder:
             place = {"latitude": latitude, "longitude": longitude}
             house = str(self._given(HOUSE, "the front"))
-            options = {"units": _units(units), "rest": USUAL_REST_S}
+            options = USUAL_OPTIONS | {"units": _units(units)}
             study = write_twins(folder, house, place | USUAL, options, {}, STEPS[1])
             size = size_of(load_study(study, "reference", ROOT))
         minutes = size.minutes(STEPS[1], os.cpu_count())

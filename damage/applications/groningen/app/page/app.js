@@ -619,7 +619,8 @@ function showProgress(found) {
   by("sheet").hidden = !found.sheet || found.running;
   const key = found.running ? "running" : found.status === null ? null : found.status === 0 ? "done" :
     found.status < 0 || found.status === 130 || found.status === 143 ? "stopped" : "failed";
-  if (key) say("said-compute", words[key], key === "failed");
+  const pace = found.running && found.lines.filter((one) => one.includes(" %")).at(-1);
+  if (key) say("said-compute", pace ? `${words[key]} ${pace}` : words[key], key === "failed");
   clearTimeout(timer);
   if (found.running) timer = setTimeout(() => compute("progress"), 1000);
 }
