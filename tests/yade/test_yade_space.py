@@ -9,6 +9,7 @@ from conftest import REPOSITORY, SHORT, TINY, wall_file, written
 from numpy.testing import assert_allclose
 from scipy.sparse.linalg import spsolve
 
+from damage.history.in_space import InSpace
 from damage.history.reader import read_history
 from damage.law.modes import stiffness_matrix
 from damage.measure.energy import energy_error
@@ -72,6 +73,28 @@ def test_a_wall_of_a_house_is_read_in_its_plane(turned, damage_command):
         "no wall or face roof: expected one of tiny"
         in damage_command("index", house.path.with_name("house:roof.h5"), status=2).stderr
     )
+
+
+def test_bodies_stand_apart_in_space_by_what_their_joints_have_opened(turned):
+    """The opening of a contact point is the distance of its two sides along its normal; that of the
+    history counts from the unloaded wall, bodies from the end of the static stage."""
+    house, space = turned["house"], InSpace(turned["house"])
+    snapshot = int(np.argmax(np.abs(house.displacement[..., 0]).max(axis=1)))
+    sample = int(np.abs(house.series["time_s"] - house.snapshot_time_s[snapshot]).argmin())
+    opened = np.flatnonzero(house.opening_m[sample] > 1e-5)
+    assert len(opened) > 3
+    joints, wall = house.joints.iloc[opened], house.house.joint_wall[opened]
+    places = np.stack([joints["x_m"], house.house.joint_y_m[opened], joints["z_m"]], axis=1)
+    places = house.placing.in_house(wall, places[:, None])
+    first, second = (space.moved(body, places, snapshot) for body in space.joint_bodies[opened].T)
+    normal = np.where(
+        (joints["kind"] == "head").to_numpy()[:, None], *house.placing.axes[0, [0, 2]]
+    )
+    apart = np.sum((second - first)[:, 0] * normal, axis=1)
+    stiffness = joints["normal_stiffness_pa_m"].min()
+    at_rest = 2 * house.masonry_wall.precompression / stiffness  # compression, not even
+    assert_allclose(apart, house.opening_m[sample, opened], atol=at_rest, rtol=1e-3)
+    assert at_rest < 0.05 * house.opening_m[sample].max()
 
 
 def test_a_dry_block_rocks_out_of_plane_in_housner_s_quarter_period(yade_command):
