@@ -18,10 +18,9 @@ from damage.draw import run, style
 from damage.draw.panels import PAGE_WIDTH, from_zero, grid, letter
 from damage.draw.preview import PAPER, draw_preview
 from damage.draw.wall import (
-    LARGEST_MAGNIFICATION,
     line_width,
-    round_125,
     shape_at,
+    visible,
     widest_line,
 )
 from damage.history.in_space import InSpace
@@ -111,14 +110,8 @@ def widths(history, sample):
 def magnification(space, snapshots):
     """Factor that makes the largest displacement in these snapshots visible, as
     `damage.draw.wall.magnification` does; space: InSpace."""
-    largest = max(
-        (float(np.abs(space.corners(one) - space.boxes).max()) for one in snapshots),
-        default=0.0,
-    )
-    if largest == 0:
-        return 1.0
-    wanted = VISIBLE_SHARE * space.boxes[..., 2].max() / largest
-    return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
+    largest = max(float(np.abs(space.corners(one) - space.boxes).max()) for one in snapshots)
+    return visible(largest, float(space.boxes[..., 2].max()), VISIBLE_SHARE)
 
 
 def _widest(history, span_m, page_pt):

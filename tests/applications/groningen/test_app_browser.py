@@ -4,6 +4,7 @@ narrow, dark, languages.
 `bash scripts/browser.sh` installs what these need and runs them.
 """
 
+import base64
 import io
 import re
 import threading
@@ -231,6 +232,8 @@ def test_from_an_empty_page_to_the_dutch_sheet_with_a_photograph(page, tmp_path)
     driver.switch_to.window(driver.window_handles[-1])
     assert "Scheuren in een gevel" in driver.title
     assert "Geen antwoord" in driver.find_element("tag name", "body").text
+    pdf = driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
+    assert re.findall(rb"/Count (\d+)", base64.b64decode(pdf)) == [b"1"]
     driver.close()
     driver.switch_to.window(driver.window_handles[0])
     names = {"house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
