@@ -1,5 +1,7 @@
 """Arrays from the scene of a house, whose bodies move in space."""
 
+from itertools import starmap
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 from yade import O, Vector3
@@ -51,8 +53,9 @@ class SpaceReader(SceneReader):
         along, up, _ = np.transpose(displacement)
         axis, found = self.push_axis, []
         about = axis.cross(Vector3(0, 0, 1))
-        for members, at in zip(self.model.ground, self._of_ground(self.ground_at + along, up)):
-            force, moment, at = Vector3.Zero, Vector3.Zero, Vector3(*at)
+        places = starmap(Vector3, self._of_ground(self.ground_at + along, up).tolist())
+        for members, at in zip(self.model.ground, places):
+            force, moment = Vector3.Zero, Vector3.Zero
             for member in members:
                 on_it = O.forces.f(member, True)
                 force += on_it
