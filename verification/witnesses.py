@@ -25,7 +25,7 @@ STEP_S, RAMP_S, HOLD_S = 2e-3, 0.4, 0.4
 WINDOW_S, MOVES_M, FALLEN_M = 0.1, 2e-5, 0.02
 """A wall falls where it has moved by FALLEN_M, or in the last window by more than MOVES_M and more
 than in the one before."""
-LOWEST, HIGHEST, TOLERANCE = 0.88, 1.01, 4e-3  # parts of the bound
+LOWEST, HIGHEST, TOLERANCE = 0.9, 1.01, 4e-3  # parts of the bound
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 FACES = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 
@@ -72,6 +72,8 @@ def falls(wall, multiplier):
 def collapse(wall):
     """Multipliers at which a wall stands and falls in LMGC90."""
     stands, fallen = LOWEST * wall["bound"], HIGHEST * wall["bound"]
+    while falls(wall, stands):
+        stands, fallen = 0.9 * stands, stands
     while fallen - stands > TOLERANCE * wall["bound"]:
         middle = (stands + fallen) / 2
         stands, fallen = (stands, middle) if falls(wall, middle) else (middle, fallen)
