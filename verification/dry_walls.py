@@ -145,7 +145,7 @@ def ask(python, result):
     wall = {
         "friction": FRICTION,
         "thickness": BLOCK.thickness,
-        "bound": result.bound.multiplier,
+        "start": result.solver.multiplier,
         "blocks": np.column_stack([bodies.x, bodies.z, bodies.length, bodies.height]).tolist(),
     }
     script = Path(__file__).with_name("witnesses.py")
