@@ -84,9 +84,10 @@ class JointTracker:
             slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies)
         )[:, :n]
         if layout.space:  # joints between two walls, and on a slab, have no end
-            space, ends = layout.space, (contacts.first[:n], contacts.second[:n])
-            slab = np.append(space.depth > layout.wall.brick.thickness + TINY, False)
-            endless = (space.joint_wall[:n] < 0) | slab[ends[0]] | slab[ends[1]]
+            slab = layout.space.depth > layout.wall.brick.thickness + TINY
+            endless = layout.space.joint_wall[:n] < 0
+            for end in (contacts.first[:n], contacts.second[:n]):
+                endless |= (end >= 0) & slab[end]
             self._slide[:, endless] = np.array([[-np.inf], [np.inf]])
         self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
         sides = np.column_stack([contacts.first, contacts.second])[:n]

@@ -640,8 +640,12 @@ class _Parts:
         left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
         across, y = brick.thickness / 2, 0.0
         if self.layout.space:
+            places, beyond = self.layout.space.place[:, :2], _GROUND
+            if len(all_of) > 1:  # below one brick, or where a corner took it away
+                own = places[self.layout.contacts.first == GROUND - support]
+                places, beyond = (own, _REACH) if len(own) else (places[:1], 0.0)
             (left, front), (right, back) = (
-                pick(self.layout.space.place[:, :2], axis=0) + sign * _GROUND
+                pick(places, axis=0) + sign * (beyond + TIP)
                 for pick, sign in ((np.min, -1), (np.max, 1))
             )
             across, y = (back - front) / 2, (front + back) / 2

@@ -36,7 +36,8 @@ class SceneReader:
         # forces of the bearing and the constant load [N, N, N m]
         self.on_top = np.zeros_like(self.mass)
         self.start = np.column_stack([bodies.x, bodies.z])
-        self.push_axis = Vector3(1, 0, 0)  # direction of a spreader beam
+        self.push_axis = Vector3(1, 0, 0)  # direction of a spreader beam, and of the ground's tilts
+        self.ground_at = model.layout.supports.x  # along that
         self.first_orientation = np.array([tuple(state.ori) for state in self.model.turning])
 
     def pushed(self, bodies):

@@ -219,13 +219,14 @@ class YadeSolver(Solver):
     def _set_support_velocities(self):
         """Set the velocities of all bodies of the supports to those of the supports' rigid
         motion."""
+        axis, upright = self.scene.push_axis, Vector3(0, 0, 1)
         for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(
-            self.model.ground, self.layout.supports.x, self._supports, self._support_velocity
+            self.model.ground, self.scene.ground_at, self._supports, self._support_velocity
         ):
             for state in (O.bodies[body].state for body in bodies):
-                along, up = state.pos[0] - x - ux, state.pos[2] - uz
-                state.vel = Vector3(vx - rotating * up, 0, vz + rotating * along)
-                state.angVel = Vector3(0, -rotating, 0)
+                along, up = state.pos.dot(axis) - x - ux, state.pos[2] - uz
+                state.vel = (vx - rotating * up) * axis + (vz + rotating * along) * upright
+                state.angVel = rotating * axis.cross(upright)
 
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         self._sample_steps, self._on_samples = sample_steps, on_samples
@@ -326,7 +327,7 @@ class YadeSolver(Solver):
         """Opening and shear displacement of contact points, by the motion of their bodies (m,)
         [m]."""
         if self.layout.space:
-            return self.scene.displacements(joints)
+            return self.scene.displacements(joints, self._supports)
         sides = np.concatenate([side[joints] for side in self.kinematics.ends])
         motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
         return self.kinematics.displacements(motion, joints, self._supports)

@@ -1,5 +1,7 @@
 """Arrays from the scene of a house, whose bodies move in space."""
 
+from itertools import starmap
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 from yade import O, Vector3
@@ -22,14 +24,15 @@ class SpaceReader(SceneReader):
         self.start, self._of_body = space.centres(bodies), space.of_body
         self._first = Rotation.from_quat(self.first_orientation).inv()
         self._ends = [rows(end, len(bodies)) for end in (contacts.first, contacts.second)]
-        centres = np.vstack([self.start, np.zeros(3)])  # the ground last
+        turn = np.radians(space.house.heading)
+        self._heading = np.round([np.cos(turn), np.sin(turn)], 15)
+        self.push_axis = Vector3(*self._heading, 0)
+        self.ground_at = (space.ground_left + space.ground_right) / 2
+        centres = np.vstack([self.start, self._of_ground(self.ground_at, 0 * self.ground_at)])
         # the numbers of points last, which numpy takes at once
         self._arms = [(space.place - centres[end]).T for end in self._ends]
         self._axes = np.ascontiguousarray(space.axes.transpose(1, 2, 0))
         self._bodies = BodyNumbers(model.turning)
-        turn = np.radians(space.house.heading)
-        self._heading = np.round([np.cos(turn), np.sin(turn)], 15)
-        self.push_axis = Vector3(*self._heading, 0)
         # about the axes of a body: along, across and upwards
         self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
         # of dry joints, which stay in their rows
@@ -40,18 +43,25 @@ class SpaceReader(SceneReader):
         cos, sin = self._heading
         return cos * along - sin * across, up, sin * along + cos * across
 
+    def _of_ground(self, along, up):
+        """Places of the ground (n, 3) [m] at these along the heading and upwards (n,) [m]."""
+        return np.column_stack([np.outer(along, self._heading), up])
+
     def support_forces(self, displacement):
         """As of SceneReader: along the heading and upwards, and the moment from the one towards the
-        other about the origin of the plan."""
-        cos, sin = self._heading
-        force, moment = Vector3.Zero, Vector3.Zero
-        for member in self.model.ground[0]:
-            on_it = O.forces.f(member, True)
-            force += on_it
-            moment += O.bodies[member].state.pos.cross(on_it) + O.forces.t(member, True)
-        return np.array(
-            [[cos * force[0] + sin * force[1], force[2], sin * moment[0] - cos * moment[1]]]
-        )
+        other."""
+        along, up, _ = np.transpose(displacement)
+        axis, found = self.push_axis, []
+        about = axis.cross(Vector3(0, 0, 1))
+        places = starmap(Vector3, self._of_ground(self.ground_at + along, up).tolist())
+        for members, at in zip(self.model.ground, places):
+            force, moment = Vector3.Zero, Vector3.Zero
+            for member in members:
+                on_it = O.forces.f(member, True)
+                force += on_it
+                moment += (O.bodies[member].state.pos - at).cross(on_it) + O.forces.t(member, True)
+            found.append([force.dot(axis), force[2], moment.dot(about)])
+        return np.array(found)
 
     def _now(self):
         """Centres (n_bodies, 3) [m] and rotations of all bodies since the wall was built."""
@@ -71,12 +81,16 @@ class SpaceReader(SceneReader):
     def pushed(self, bodies):
         return ((self._now()[0] - self.start) @ [*self._heading, 0.0])[bodies]
 
-    def displacements(self, joints):
+    def displacements(self, joints, supports):
         """Opening and (complex) shear displacement of contact points (m,) [m], along the axes of
-        the joint turned by the mean rotation of its bodies."""
+        the joint turned by the mean rotation of its bodies; supports: (n_supports, 3) as of
+        `damage.wall.kinematics.ContactKinematics.displacements`."""
         place, turned = self._now()
-        place = np.vstack([place, np.zeros(3)]).T
-        turned = np.concatenate([turned.as_matrix(), np.eye(3)[np.newaxis]]).transpose(1, 2, 0)
+        along, up, angle = supports.T
+        place = np.vstack([place, self._of_ground(self.ground_at + along, up)]).T
+        sin, cos = self._heading[::-1]
+        tilted = Rotation.from_rotvec(np.outer(angle, [sin, -cos, 0.0]))
+        turned = np.concatenate([turned.as_matrix(), tilted.as_matrix()]).transpose(1, 2, 0)
         (first, one), (second, other) = (
             (place[:, end] + _product(turned[:, :, end], arms[:, joints]), turned[:, :, end])
             for end, arms in ((end[joints], arms) for end, arms in zip(self._ends, self._arms))

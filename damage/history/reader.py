@@ -269,8 +269,14 @@ class History:
         for end in ("first_body", "second_body"):
             joints[end] = np.where(joints[end] < 0, joints[end], new_body[joints[end]])
         top = house.top_displacement_m[:, number]
+        supports, moved, below = self._ground_of(number)
+        first, own = joints["first_body"], -np.cumsum(below)  # -1 is the first
+        joints["first_body"] = np.where(first < 0, own[np.maximum(-1 - first, 0)], first)
         return replace(
             part,
+            supports=supports,
+            support_displacement=moved,
+            support_force=self.support_force[:, below],
             path=self.path.with_name(f"{self.path.stem}:{name}{self.path.suffix}"),
             wall=name,
             parameters=self.parameters
@@ -287,6 +293,19 @@ class History:
             displacement=self.displacement[:, body],
             house=house.of(number, body, joint),
         )
+
+    def _ground_of(self, number):
+        """Supports of a wall of a house, their displacement in its plane (n_times, n, 3) [m, m,
+        rad], and which of those of the house they are."""
+        if len(self.supports) == 1:
+            return self.supports, self.support_displacement, np.array([True])
+        placing, turn = self.placing, np.radians(self.parameters["house"]["heading"])
+        left, length = placing.left[number], placing.length[number]
+        at = self.supports[["left_m", "right_m"]].mean(axis=1)
+        own = ((at > left) & (at < left + length)).to_numpy()
+        facing = placing.axes[number, 0] @ [np.cos(turn), np.sin(turn), 0.0]
+        moved = self.support_displacement[:, own] * [facing, 1.0, facing]
+        return (self.supports[own] - left).reset_index(drop=True), moved, own
 
     def of_face(self, face):
         """The History of a wall of a house as one of its FACES shows it, as of a plane wall: the

@@ -290,7 +290,6 @@ def check_house(settings, house):
             "a pushed top that may not rotate freely",
             drive.top and (not drive.top_rotates or drive.top_stiffness),
         ),
-        ("--settlement", settings.settlement),
         ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
@@ -299,8 +298,8 @@ def check_house(settings, house):
     ):
         if given:
             raise InputError(
-                f"house {house.name} with {what}: expected a motion of the base, a push, or free"
-                " vibration, alone; leave it out"
+                f"house {house.name} with {what}: expected a motion of the base, a push,"
+                " settlement, or free vibration, alone; leave it out"
             )
 
 
@@ -365,7 +364,7 @@ def _laid_out(wall, settings):
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     if settings.settlement:
-        settings.settlement.check_length(wall.length)
+        settings.settlement.check_length(float(layout.ground.right.max()))
     return layout
 
 

@@ -153,6 +153,11 @@ class Layout:
         return np.where(self.contacts.kind[:n] == CUT, 0.0, self.contacts.length[:n])
 
     @property
+    def ground(self):
+        """Supports by their places along a settlement: along the wall, or a house's heading."""
+        return self.space.ground if self.space else self.supports
+
+    @property
     def pushed_bodies(self):
         """Bodies that a quasi-static loading moves: the caps; the drift course where there are
         none, or a restraint holds the top."""

@@ -43,7 +43,8 @@ class Space:
     """Where the bodies and contact points of a house are, z upwards and the ground at z = 0.
 
     house: House; left: x of the left end of each unfolded wall (n_walls,) [m]; drift_bodies,
-    drift_height: of each wall, as of its Layout.
+    drift_height: of each wall, as of its Layout; ground_left, ground_right: ends of each support
+    along the heading, from the middle of the plan's axes (n_supports,) [m].
     wall: number of that of a body (n_bodies,); across_inertia: about the axes along the wall and
     upwards (n_bodies, 2) [kg m2]; offset: of its centre from the wall's middle plane, and depth
     across the wall (n_bodies,) [m]; joint_wall: number of that of a contact point, -1 between two
@@ -56,6 +57,8 @@ class Space:
     left: np.ndarray
     drift_bodies: list
     drift_height: np.ndarray
+    ground_left: np.ndarray
+    ground_right: np.ndarray
     wall: np.ndarray
     across_inertia: np.ndarray
     offset: np.ndarray
@@ -73,6 +76,12 @@ class Space:
         for one, left, height in zip(found["walls"], self.left, self.drift_height):
             one |= {"left_m": float(left), "drift_height_m": float(height)}
         return found
+
+    @property
+    def ground(self):
+        """The Supports along the heading, from where the house begins."""
+        start = self.ground_left.min()
+        return Supports(self.ground_left - start, self.ground_right - start)
 
     @property
     def of_body(self):
@@ -145,7 +154,6 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     options = parts[0].options
     for what, refused in (
         ("--bricks deformable", options.bricks != "rigid"),
-        ("--supports bricks", options.supports != "one"),
         ("--soil", options.soil != "rigid"),
     ):
         if refused:
@@ -177,14 +185,16 @@ def _together(house, parts):
     left = np.append(0.0, np.cumsum(lengths + GAP_M))[:-1]
     first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
     thickness, bodies, contacts = house.masonry.brick.thickness, [], []
-    for part, start, offset in zip(parts, left, first_body):
+    one = parts[0].options.supports == "one"
+    below = np.append(0, np.cumsum([0 if one else len(part.supports) for part in parts]))
+    for part, start, offset, ground in zip(parts, left, first_body, below):
         table = part.contacts
         bodies.append(replace(part.bodies, x=part.bodies.x + start))
         contacts.append(
             replace(
                 table,
                 x=table.x + start,
-                first=np.where(table.first < 0, GROUND, table.first + offset),
+                first=np.where(table.first < 0, table.first - ground, table.first + offset),
                 second=table.second + offset,
             )
         )
@@ -201,7 +211,7 @@ def _together(house, parts):
     share = np.tile(SHARES, len(places))
     table = replace(
         table,
-        first=np.where(table.first < 0, GROUND, new[table.first]),
+        first=np.where(table.first < 0, table.first, new[table.first]),
         second=new[table.second],
         length=table.length * share,
         area=table.area * share,
@@ -221,11 +231,22 @@ def _together(house, parts):
     local = np.column_stack([table.x, y, table.z])
     ends = np.stack([np.maximum(table.first, 0), table.second])
     half = np.where(table.upright, body.length[ends].min(axis=0), house.masonry.brick.height) / 2
+    supports = Supports(
+        *(
+            np.concatenate([getattr(p.supports, end) + at for p, at in zip(parts, left)])
+            for end in ("left", "right")
+        )
+    )
+    ground = _along_heading(house, parts, left, supports)
+    if one:
+        supports = Supports(np.array([0.0]), left[-1:] + lengths[-1:])
+        ground = ground[0].min(keepdims=True), ground[1].max(keepdims=True)
     space = Space(
         house,
         left,
         [new[part.drift_bodies + offset] for part, offset in zip(parts, first_body)],
         np.array([part.drift_height for part in parts]),
+        *ground,
         wall,
         _across_inertia(body, thickness),
         np.zeros(len(body)),
@@ -246,9 +267,24 @@ def _together(house, parts):
         n_joints=3 * int((~is_glue).sum()),
         drift_bodies=np.concatenate(space.drift_bodies),
         drift_height=float(space.drift_height.mean()),
-        supports=Supports(np.array([0.0]), left[-1:] + lengths[-1:]),
+        supports=supports,
         space=space,
     )
+
+
+def _along_heading(house, parts, left, supports):
+    """Ends along the heading (n_supports,) [m] of Supports below unfolded walls, each as thick as
+    its wall."""
+    turn = np.radians(house.heading)
+    heading = np.round([np.cos(turn), np.sin(turn), 0.0], 15)
+    wall = np.repeat(np.arange(len(parts)), [len(part.supports) for part in parts])
+    y = house.masonry.brick.thickness / 2
+    corners = [
+        _placed(house, left, wall, np.column_stack([x, 0 * x + side, 0 * x])) @ heading
+        for x in (supports.left, supports.right)
+        for side in (-y, y)
+    ]
+    return np.min(corners, axis=0), np.max(corners, axis=0)
 
 
 def _across_inertia(bodies, thickness):
@@ -302,8 +338,9 @@ def _with_slab(layout, floor):
             found[name][slab] = to_bits(value)
         return replace(table, **found)
 
-    body = np.where(np.append(strips, False), slab, np.append(np.arange(len(bodies)), GROUND))
-    contacts = replace(contacts, first=body[contacts.first], second=body[contacts.second])
+    body = np.where(strips, slab, np.arange(len(bodies)))
+    first = np.where(contacts.first < 0, contacts.first, body[contacts.first])
+    contacts = replace(contacts, first=first, second=body[contacts.second])
     layout = replace(layout, bodies=put(bodies, own), contacts=contacts, space=put(space, of))
     strips[slab] = False
     return _without(layout, strips)
@@ -459,9 +496,10 @@ def _with_loads(layout, making_room):
 def _without(layout, drop):
     """The Layout without these bodies (n_bodies,) and their contact points."""
     space, contacts, kept = layout.space, layout.contacts, ~drop
-    new = np.append(np.cumsum(kept) - 1, GROUND)
+    ground = np.arange(len(layout.supports))
+    new = np.append(np.cumsum(kept) - 1, GROUND - ground)
     ends = [rows(end, len(drop)) for end in (contacts.first, contacts.second)]
-    stay = np.append(kept, True)[ends].all(axis=0)
+    stay = np.append(kept, ground >= 0)[ends].all(axis=0)
     drift = [new[_remaining(layout, one, kept)] for one in space.drift_bodies]
     return replace(
         layout,

@@ -4,6 +4,7 @@ yade tests/yade/checks/space.py block              a dry block rocks about an ed
 yade tests/yade/checks/space.py box                four walls stay symmetric
 yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
                                                    these horizontal accelerations [g] in turn
+yade tests/yade/checks/space.py tilt               a house turns with its ground
 yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
 """
 
@@ -23,14 +24,15 @@ from damage.law.modes import natural_modes, stiffness_matrix
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.house import Corner, Diaphragm, House, Placed
+from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.space import lay_out_house
 from yade_scripts.solver import YadeSolver
 
 
-def solver_of(house):
+def solver_of(house, options=None):
     """Its YadeSolver, at rest, with a step of a third of the critical one."""
-    layout = lay_out_house(house)
+    layout = lay_out_house(house, options)
     return YadeSolver(layout, natural_modes(layout, 1).critical_time_step_s / 3)
 
 
@@ -129,6 +131,41 @@ def front_between(joint):
     )
 
 
+def tilt():
+    """What bodies and joints of two walls below a slab are off a rigid rotation, which the ground
+    and they have at first, about a place before the house and across its heading of 30 degrees:
+    displacement, and opening or shear, over the largest displacement [-]."""
+    brick = Brick(length=0.4, height=0.2, thickness=0.2)
+    joint = Joint(tensile_strength=1e6, cohesion=1e6)
+    common = {"length": 0.8, "height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
+    walls = [Placed(Wall(name, **common), (0, y)) for name, y in (("a", 0), ("b", 1))]
+    slab = Diaphragm(0.8, ("a", "b"), 300, "concrete", 0.2)
+    house = House("pair", walls, floors=[slab], heading=30)
+    solver = solver_of(house, ModelOptions(supports="bricks"))
+    layout, scene, rate = solver.layout, solver.scene, 1e-3
+    axis = np.array([*scene.push_axis])
+    about = rate * np.cross(axis, [0.0, 0.0, 1.0])
+    start, of_body = layout.space.ground_left.min() * axis, layout.space.of_body
+    place = layout.space.centres(layout.bodies)
+    speed = np.einsum("nij,nj->ni", of_body, np.cross(about, place - start))
+    along, across, _ = (of_body @ about).T
+    solver.set_velocities(
+        np.column_stack([speed[:, 0], speed[:, 2], -across, speed[:, 1], along, 0 * along])
+    )
+    solver.start(NO_MOTION, np.zeros(1))
+    ground = layout.ground.x
+    solver.move_supports(np.column_stack([0 * ground, rate * ground, rate + 0 * ground]))
+    solver.advance(400)
+    expected = 400 * O.dt * np.cross(about, place - start)
+    moved = np.array([tuple(state.pos) for state in scene.states]) - place
+    opening, shear = scene.displacements(np.arange(layout.n_joints), solver._supports)
+    largest = np.abs(expected).max()
+    return {
+        "moved": float(np.abs(moved - expected).max() / largest),
+        "opening": float(max(np.abs(opening).max(), np.abs(shear).max()) / largest),
+    }
+
+
 def elastic_stresses(layout, direction):
     """Normal stress, and both shear stresses, of all joints under forces of the size of the bodies'
     weight in this direction in the house (n_joints, 3) [Pa]."""
@@ -221,7 +258,7 @@ def corner(*multipliers):
 
 print(
     json.dumps(
-        {"block": block, "box": box, "corner": corner, "bonded": bonded}[sys.argv[1]](
+        {"block": block, "box": box, "corner": corner, "bonded": bonded, "tilt": tilt}[sys.argv[1]](
             *map(float, sys.argv[2:])
         )
     )
