@@ -7,7 +7,8 @@ process.
     python3 benchmarks/kernel.py --sizes  # nanoseconds a contact and step against wall size, too
 
 The older package is taken from git into a temporary folder under another name.  The symmetric wall
-is intact, or shaken until it is cracked, by the older kernel and the present one alike; it steps
+is intact, or shaken until it is cracked, brittle or softening (where the older commit has
+softening joints), by the older kernel and the present one alike; it steps
 alone, sampled every 2 ms, as 4, 8 and 16 walls together, and with damping proportional to
 stiffness.  Times are those of the processor, a wall and step; a ratio is the median over the rounds
 of new to old.
@@ -53,8 +54,8 @@ def main():
         take_from_git(asked.old, Path(folder))
         os.environ.setdefault("NUMBA_CACHE_DIR", folder)
         sys.path.insert(0, folder)
-        for cracked in (False, True):
-            compare(cracked, asked.rounds)
+        for state in ("intact", "cracked", "softening"):
+            compare(state, asked.rounds)
         if asked.sizes:
             against_size()
 
@@ -73,7 +74,7 @@ def take_from_git(commit, folder):
         path.write_text(text.replace('"damage.', '"damage_before.'), encoding="utf-8")
 
 
-def make(package, cracked, beta=0.0, size=None):
+def make(package, state, beta=0.0, size=None):
     """A wall of a package at rest under its weight, or cracked; without a size the symmetric
     one."""
 
@@ -86,13 +87,13 @@ def make(package, cracked, beta=0.0, size=None):
             f"error: {package} has none of {', '.join(places)}; expected a commit since d51e596"
         )
 
-    layout = of("wall.layout").lay_out(wall_of(of("wall.parameters"), size))
+    layout = of("wall.layout").lay_out(wall_of(of("wall.parameters"), size, state))
     step = 0.643 * of("law.modes", "wall.modes").natural_modes(layout).critical_time_step_s
     wall = of("reference.wall").ReferenceWall(layout, step)
     wall.local_damping = 0.7
     wall.run(round((0.3 if size is None else 0.01) / step))
     wall.local_damping = 0.0
-    if cracked:
+    if state != "intact":
         time_s = np.arange(round(0.6 / step)) * step
         wall.start(of("motion.loading").Harmonic(0.2, 0.1).base_acceleration(time_s))
         wall.run(len(time_s))
@@ -101,7 +102,7 @@ def make(package, cracked, beta=0.0, size=None):
     return wall
 
 
-def wall_of(parameters, size):
+def wall_of(parameters, size, state):
     """The numbers of walls/symmetric.py, or a plain wall of so many bricks along and up, in a
     package's own records."""
     brick = parameters.Brick(length=0.225, height=0.075, thickness=0.1025)
@@ -111,6 +112,11 @@ def wall_of(parameters, size):
     )
     # of later commits
     lintel = {"lintel": "courses"} if "lintel" in parameters.Wall.__dataclass_fields__ else {}
+    softening = {}
+    if state == "softening":
+        if "mode_i_fracture_energy" not in parameters.Joint.__dataclass_fields__:
+            sys.exit("joints of the older commit do not soften: no comparison")
+        softening = {"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0}
     return parameters.Wall(
         name="benchmark",
         length=along * 0.225,
@@ -118,19 +124,19 @@ def wall_of(parameters, size):
         openings=openings,
         precompression=0.3e6,
         brick=brick,
-        joint=parameters.Joint(tensile_strength=0.21e6, cohesion=0.24e6),
+        joint=parameters.Joint(tensile_strength=0.21e6, cohesion=0.24e6, **softening),
         **lintel,
     )
 
 
-def compare(cracked, rounds):
+def compare(state, rounds):
     """Print what a step costs in every way, and its ratio to the older kernel's."""
     from damage.reference.lanes import run_together
 
     old, new, damped = (
-        make("damage_before", cracked),
-        make("damage", cracked),
-        make("damage", cracked, 1e-6),
+        make("damage_before", state),
+        make("damage", state),
+        make("damage", state, 1e-6),
     )
     pieces = {
         "old, alone": (old.run, 1),
@@ -140,13 +146,13 @@ def compare(cracked, rounds):
         "sampled": (partial(sampled, new), 1),
     }
     for number in (4, 8, 16):
-        walls = [make("damage", cracked) for _ in range(number)]
+        walls = [make("damage", state) for _ in range(number)]
         pieces[f"{number} together"] = (
             lambda steps, walls=walls: run_together(walls, steps),
             number,
         )
     if importlib.util.find_spec("damage_before.reference.lanes"):
-        olds = [make("damage_before", cracked) for _ in range(8)]
+        olds = [make("damage_before", state) for _ in range(8)]
         move_olds = importlib.import_module("damage_before.reference.lanes").run_together
         pieces["old, 8 together"] = (lambda steps: move_olds(olds, steps), 8)
     times = {name: [] for name in pieces}
@@ -157,10 +163,7 @@ def compare(cracked, rounds):
             spent = timeit.timeit(partial(run, STEPS), timer=time.process_time, number=1)
             times[name].append(spent / STEPS / number)
     broken = int((new.state > 0).sum())
-    print(
-        f"{'cracked' if cracked else 'intact'}, {len(new.system.contacts)} contacts, {broken}"
-        " broken"
-    )
+    print(f"{state}, {len(new.system.contacts)} contacts, {broken} broken")
     for name, values in times.items():
         ratios = {
             other: statistics.median(a / b for a, b in zip(values, times[other]))
@@ -191,7 +194,7 @@ def against_size():
     from damage.reference.lanes import run_together
 
     for size in SIZES:
-        walls = [make("damage", False, size=size) for _ in range(8)]
+        walls = [make("damage", "intact", size=size) for _ in range(8)]
         contacts, steps = (
             len(walls[0].system.contacts),
             max(20, 2_000_000 // len(walls[0].system.contacts)),

@@ -20,6 +20,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+KEEP = "all", "summary"
 WALL = (
     "from damage import Wall\n\n\ndef wall():\n    return Wall(name='tiny', length=0.45,"
     " height=0.6)\n"
@@ -54,6 +55,9 @@ MOST_CALLS = 3
 LEAVES_S = 5.0
 """Time within which the processes of a batch that was killed have to end [s]."""
 
+BECOMES_S = 0.05
+"""Time within which a child that becomes another program, as git, has its own command line [s]."""
+
 
 def main():
     """Run the proof; returns the exit status."""
@@ -74,10 +78,10 @@ def main():
     (out / "survey.csv").write_text(CRACKS)
     draw = random.Random(asked.seed)
     proof = Proof(out, asked.jobs, asked.who, asked.what)
-    longest_s = proof.run_alone("alone")
-    whole, good, kills = tables(out / "alone"), 0, 0
+    longest_s = max(proof.run_alone(keep) for keep in KEEP)
+    whole, good, kills = {keep: tables(out / keep) for keep in KEEP}, 0, 0
     while kills < asked.kills:
-        name, keep = f"killed_{kills:02d}", ("all", "summary")[kills % 2]
+        name, keep = f"killed_{kills:02d}", KEEP[kills % 2]
         killed = proof.kill(name, keep, draw, longest_s)
         if killed is None:  # it had ended before
             longest_s *= 0.7
@@ -86,12 +90,12 @@ def main():
         calls = next(
             (n for n in range(1, MOST_CALLS + 1) if proof.run_to_end(name, keep) == 0), None
         )
-        equal, left = tables(out / name) == whole, len(proof.left())
+        equal, left = tables(out / name) == whole[keep], len(proof.left())
         good += equal and calls is not None and "0 left" in killed and not left
         print(
             f"{kills}: {killed}, --keep {keep};"
             f" {f'completed by call {calls}' if calls else f'NOT complete by call {MOST_CALLS}'},"
-            f" {len(whole)} tables {'equal' if equal else 'DIFFER'}, {left} left at the end",
+            f" {len(whole[keep])} tables {'equal' if equal else 'DIFFER'}, {left} left at the end",
             flush=True,
         )
     print(f"{good} of {kills} kills ended complete with equal tables and no process left")
@@ -104,7 +108,7 @@ class Proof:
     def __init__(self, out, jobs, who, what):
         self.out, self.jobs, self.who, self.what = out, jobs, who, what
 
-    def start(self, name, keep="all"):
+    def start(self, name, keep):
         """Start the batch in a folder of this name."""
         words = (
             ["study", "study.toml", "--keep", keep]
@@ -131,9 +135,10 @@ class Proof:
                 pass
         return found
 
-    def run_alone(self, name):
-        """Leave the batch alone; returns how long there was something to kill [s]."""
-        batch, seen = self.start(name), []
+    def run_alone(self, keep):
+        """Leave the batch alone, in a folder named by what it keeps; returns how long there was
+        something to kill [s]."""
+        batch, seen = self.start(keep, keep), []
         while batch.poll() is None:
             if victims(batch.pid, self.who):
                 seen.append(time.monotonic())
@@ -141,7 +146,7 @@ class Proof:
         assert batch.returncode == 0 and seen, "the study that is left alone fails"
         return seen[-1] - seen[0]
 
-    def run_to_end(self, name, keep="all"):
+    def run_to_end(self, name, keep):
         """Exit status of the batch."""
         return self.start(name, keep).wait()
 
@@ -155,7 +160,9 @@ class Proof:
         wait_s = draw.uniform(0, 0.9 * longest_s)
         while time.monotonic() - began < wait_s and batch.poll() is None:
             time.sleep(0.01)
-        found = victims(batch.pid, self.who)
+        found = set(victims(batch.pid, self.who))
+        time.sleep(BECOMES_S)
+        found = sorted(found & set(victims(batch.pid, self.who)))
         if not found:
             batch.wait()
             subprocess.run(["rm", "-rf", self.out / name], check=True)

@@ -19,11 +19,12 @@ from contextlib import nullcontext, redirect_stdout
 import damage.applications  # noqa: F401, each adds what it has
 import damage.commands  # noqa: F401, fills the table
 from damage.applications import GROUPS
+from damage.arguments import OneLineParser
 from damage.commands.table import COMMANDS, PROGRAMS, Silence, examples_of
 from damage.errors import InputError, did_you_mean
 from damage.memory import hold_buffers
 from damage.provenance import commit
-from damage.run.options import OneLineParser, make_parser
+from damage.run.options import make_parser
 from damage.version import VERSION
 
 # where no folder takes its cache it warns at length

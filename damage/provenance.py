@@ -11,10 +11,11 @@ from pathlib import Path
 from damage.version import VERSION
 
 HERE = Path(__file__).parent
-MODEL = ["*", "law", "mechanics", "motion", "run", "wall", "measure/energy.py"]
-"""Folders of this package, and one module that ends runs, whose code decides the values of a run in
-any solver; "*": the modules beside this one.  Applications add what decides the runs that they make
-possible, as the motions that they draw."""
+RANGES = "data/ranges/ranges.csv"
+MODEL = ["*", "law", "mechanics", "motion", "run", "wall", "measure/energy.py", RANGES]
+"""Folders of this package, one module that ends runs, and a table, which decide the values of a run
+in any solver; "*": the modules beside this one.  Applications add what decides the runs that they
+make possible, as the motions that they draw."""
 MEASURES = ["*", "history", "measure", "motion/intensity.py", "wall/geometry.py"]
 """The same of what makes the numbers of tables out of a history."""
 _WITHOUT_EFFECT = "__main__.py", "version.py"  # of the modules beside this one
@@ -25,7 +26,7 @@ UNKNOWN = "unknown"
 @cache
 def commit():
     """The commit that the package is in, "changed" behind it where tracked files differ; "unknown"
-    outside git."""
+    outside git, or where git does not answer."""
 
     def git(*words):
         return subprocess.run(
@@ -128,8 +129,9 @@ def _modules(places):
 
 
 def code_of(path):
-    """A module's code without comments, layout and docstrings."""
-    return _code_of_text(path.read_text(encoding="utf-8"))
+    """A module's code without comments, layout and docstrings; a table as it is."""
+    text = path.read_text(encoding="utf-8")
+    return _code_of_text(text) if path.suffix == ".py" else text
 
 
 @cache  # digests of two solvers have most modules in common

@@ -5,12 +5,8 @@ that takes time: before `begin` an interrupt is Python's."""
 
 import errno
 import os
-import re
-import shutil
 import signal
 import sys
-import textwrap
-from functools import partial
 
 from damage.errors import InputError, RunError, WriteError, one_line
 from damage.memory import shortage
@@ -51,9 +47,6 @@ def begin(beside=0):
     ):
         # an old terminal lacks letters that names and help have
         sys.stdout.reconfigure(errors="replace")
-    for stream in (sys.stdout, sys.stderr):
-        if stream is not None and stream.isatty():
-            stream.write = partial(_write_at_words, stream.write)
     closed = (
         "standard output is closed: expected a file, a pipe or a screen; open it"
         if sys.stdout is None
@@ -108,26 +101,6 @@ def report_error(error, of=""):
         return EXIT_FAILED
     print(f"error: {of}{message}", file=sys.stderr, flush=True)
     return status
-
-
-def _write_at_words(write, text):
-    """Write to a terminal by its own `write`, lines that are wider than it broken between words.
-
-    What may be copied or has columns stays whole: lines that are indented or have gaps; so does
-    what moves the cursor.
-    """
-    width = shutil.get_terminal_size().columns
-    write(
-        "\n".join(
-            line
-            if len(line) <= width or re.search(r"^ |  |[\r\x1b]", line)
-            else textwrap.fill(
-                line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
-            )
-            for line in text.split("\n")
-        )
-    )
-    return len(text)
 
 
 def is_of_output(error):

@@ -19,8 +19,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from damage.applications import GROUPS  # noqa: E402, of this repository
+from damage.arguments import OneLineParser  # noqa: E402
 from damage.commands.table import COMMANDS, PROGRAMS, examples_of  # noqa: E402
-from damage.run.options import OneLineParser, make_parser  # noqa: E402
+from damage.run.options import make_parser  # noqa: E402
 from damage.version import VERSION  # noqa: E402
 
 project = "masonry-damage"

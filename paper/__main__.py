@@ -15,17 +15,18 @@ import pandas as pd
 
 from damage.__main__ import add_commands
 from damage.applications.studies.read import made_by_words
+from damage.arguments import OneLineParser, arg, file_arg
 from damage.commands.table import HISTORIES, JSON, command, out, output, save
 from damage.errors import InputError
 from damage.files import json_text, shipped_files, write_text
 from damage.provenance import shown_path
-from damage.run.options import OneLineParser, arg, file_arg
 
 PROGRAMS = (
     "accumulation",
     "after_peak",
     "bouncing_caps",
     "claim_coverage",
+    "coarse_units",
     "cracks_before",
     "deformable",
     "dic_field",

@@ -62,7 +62,8 @@ class Library:
 
     def __init__(self, folder, offsets):
         study = load_study(Path(folder) / NAME, "reference")
-        self.wall = layout_of(study.runs[0].wall)
+        units = dict(study.runs[0].options).get("units", (1, 1))
+        self.wall = layout_of(study.runs[0].wall, units)
         self.twins = read_twins(folder, self.wall)
         ground = self.twins.settlement.drop_duplicates()
         self.name = Path(study.runs[0].wall).stem + (

@@ -25,15 +25,14 @@ from damage.applications.studies.read import read_table
 from damage.errors import InputError
 from damage.fields import short
 from damage.files import write_text
-from damage.history.schema import TABLES
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN
+from damage.measure.columns import MADE_BY, RUN
 from damage.measure.evidence import QUANTITIES
 from damage.measure.summary import MEASURES
 from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.wall.plausible import RANGES as WALL_RANGES
 from paper import report
 from paper.verdict import judge
-from scripts import gallery, terms
+from scripts import gallery
 from scripts.document_tables import as_markdown, with_tables
 
 VERDICT = "docs/paper/verdict.md"
@@ -109,16 +108,14 @@ def with_tables_of_code(text):
 
 def tables_of_code():
     """{name: table in Markdown} of what the code defines and documents show."""
-    summary = {"parameters": PARAMETERS, "run": RUN, "made by": MADE_BY, **MEASURES}
+    summary = {"run": RUN, "made by": MADE_BY, **MEASURES}
     return {
         **{f"summary.csv: {name}": columns_table(columns) for name, columns in summary.items()},
-        **{f"RUN.h5: {name}": columns_table(columns) for name, columns in TABLES.items()},
         "plausible values": ranges_table("field", WALL_RANGES),
         "plausible motions": ranges_table("option", MOTION_RANGES),
         "the range of validity": validity_table(),
         "studies that ship": table_of_studies(ROOT / "studies"),
         "gallery": gallery.markdown(),
-        "replaced terms": terms.glossary_table().rstrip(),
     }
 
 

@@ -5,9 +5,9 @@ import io
 import sys
 from typing import Any, NamedTuple
 
+from damage.arguments import WALLS_ARE_CODE, arg, file_arg, flag, group, number_from
 from damage.errors import one_line
 from damage.files import json_text
-from damage.run.options import WALLS_ARE_CODE, arg, file_arg, flag, group, number_from
 
 
 class Command(NamedTuple):

@@ -113,6 +113,15 @@ class Buffer:
         run."""
         return any(sink.keeps_state for sink in self._sinks)
 
+    @property
+    def attributes(self):
+        """Attributes of the history's run."""
+        return self._sinks[0].attributes
+
+    def rows(self):
+        """Numbers of rows that are stored, of each group of GROWING in turn."""
+        return self._sinks[0].rows()
+
     def keep_state(self, state):
         """Keep the state of the solver at the end of the run, bytes (n,), in the file of the
         history."""

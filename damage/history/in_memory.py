@@ -26,7 +26,8 @@ class Memory:
 
     def __init__(self, path, layout, attributes, new_file=None):
         self.path, self.where = path, f"in memory, and in {path} should the run fail"
-        self._layout, self._attributes, self._new_file = layout, attributes, new_file
+        self._layout, self.attributes, self._new_file = layout, attributes, new_file
+        self._counts = dict.fromkeys(schema.GROWING, 0)
         self._values, self._n_bytes, self._file = {}, 0, None
         self._parts = []
 
@@ -37,7 +38,12 @@ class Memory:
     def static_stage(self, values):
         self._values = values
 
+    def rows(self):
+        return list(self._counts.values())
+
     def store(self, columns):
+        for group, rows in {path.partition("/")[0]: rows for path, rows in columns.items()}.items():
+            self._counts[group] += len(rows)
         if self._file is not None:
             self._file.store(columns)
         if self._parts is None:
@@ -82,13 +88,13 @@ class Memory:
             },
             **layout_tables(self._layout),
         }
-        columns = growing_columns(self._layout, json.loads(self._attributes["parameters_json"]))
+        columns = growing_columns(self._layout, json.loads(self.attributes["parameters_json"]))
         for path_of, (column, shape) in columns.items():
             values[path_of] = _together(
                 [part[path_of] for part in self._parts if path_of in part],
                 np.empty((0, *shape), column.dtype),
             )
-        return history_of(path, self._attributes, values)
+        return history_of(path, self.attributes, values)
 
 
 def _together(parts, none):

@@ -77,7 +77,7 @@ def run_reference(arguments):
     )
 
 
-def run_references(lines, histories=None, settled=None):
+def run_references(lines, histories=None, settled=None, watch=lambda name, share: None):
     """Run command lines as `run_reference`, up to eight at a time, the next where one has ended,
     without summaries and pictures; the results of a run do not depend on the others, bit for bit.
 
@@ -86,12 +86,20 @@ def run_references(lines, histories=None, settled=None):
     taken when a run can begin, and (None, None) means that there is none now; if no run is in
     progress then, all ends.  histories:
     {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class
-    is replaced by the object.  settled: RestCache of earlier runs.
+    is replaced by the object.  settled: RestCache of earlier runs.  watch: called now and then with
+    a run's name and the share of it that is simulated.
 
     Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
     histories, settled = {} if histories is None else histories, settled or RestCache()
     names, interrupted = [], []
+
+    def watched(keep_going, name):
+        def go_on(run, time_s):
+            watch(name, max(0.0, time_s) / run.duration_s if run.duration_s else 0.0)
+            return keep_going(run, time_s)
+
+        return go_on
 
     def runs():
         for name, line in lines:
@@ -99,7 +107,7 @@ def run_references(lines, histories=None, settled=None):
                 return
             names.append(name)
             yield line and with_errors_reported(
-                f"{name}: ", _run(name, line, histories, settled, keep_going)
+                f"{name}: ", _run(name, line, histories, settled, watched(keep_going, name))
             )
 
     hold_buffers()

@@ -32,9 +32,9 @@ def checkpoint_path(history):
 class Checkpoints:
     """Writer of a run's checkpoints.
 
-    writer: HistoryWriter of the run; every_s: computing time between two [s], infinity: at an
-    interruption only; keeps_end: whether the end of the run is one, too, of a solver that leaves no
-    state in the history.
+    writer: Buffer of the run, which leaves a file where it is interrupted; every_s: computing time
+    between two [s], infinity: at an interruption only; keeps_end: whether the end of the run is
+    one, too, of a solver that leaves no state in the history.
     """
 
     def __init__(self, writer, every_s=math.inf, keeps_end=False):
@@ -49,8 +49,8 @@ class Checkpoints:
         """Write a checkpoint of {name: array}."""
         self._writer.flush()
         of_history = {
-            "rows": np.array(self._writer.file.rows()),
-            "run": _digest_of(self._writer.file.attributes),
+            "rows": np.array(self._writer.rows()),
+            "run": _digest_of(self._writer.attributes),
         }
         content = as_bytes(tables | of_history).tobytes()
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")

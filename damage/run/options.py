@@ -4,17 +4,25 @@ import argparse
 import hashlib
 import math
 import os
-import re
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
 
-from damage.checks import check_path
+from damage.arguments import (
+    WALLS_ARE_CODE,
+    OneLineParser,
+    arg,
+    file_arg,
+    file_path,
+    flag,
+    fraction,
+    group,
+    number_from,
+    numbers,
+)
 from damage.errors import InputError, did_you_mean
 from damage.fields import option_of
 from damage.motion.columns import UNITS_M_S2
@@ -49,125 +57,6 @@ _EXAMPLES = {
 
 BY_FILE = "file"
 """Of --unit: the unit that the file names; for tables whose cells may not be empty."""
-
-WALLS_ARE_CODE = (
-    "A wall file is Python and is executed: read a file from someone else before you use it."
-)
-"""For the help of every command that takes one."""
-
-
-class _Help(argparse.HelpFormatter):
-    """Help whose texts of several lines, as examples are, stand as they are."""
-
-    def _fill_text(self, text, width, indent):
-        return text if "\n" in text else super()._fill_text(text, width, indent)
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """An argument parser that raises its complaint as InputError instead of printing the usage.
-
-    examples: command lines, which its help ends with.
-    """
-
-    def __init__(self, *args, examples=(), **kwargs):
-        self.examples = examples
-        more = {"epilog": "\n  ".join(["examples:", *examples])} if examples else {}
-        super().__init__(*args, **{"formatter_class": _Help, **more, **kwargs})
-        # argparse takes -1e-5 for an option; it is a number.
-        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-
-    def parse_known_args(self, args=None, namespace=None):
-        """As argparse's; an unknown option is refused first, since it may be the wrong name of one
-        that is required."""
-        args = sys.argv[1:] if args is None else list(args)
-        # Behind a command they are the command's.
-        mine = takewhile(
-            lambda word: word.startswith("-") if self._subparsers else word != "--", args
-        )
-        for name in (word.partition("=")[0] for word in mine if word.startswith("--")):
-            if name != "--" and name not in self._option_string_actions:
-                self.error(
-                    "unrecognized arguments:"
-                    f" {name}{did_you_mean(name, self._option_string_actions)}"
-                )
-        return super().parse_known_args(args, namespace)
-
-    def error(self, message):
-        raise InputError(f"{message}{' ' if message.endswith('?') else '; '}see --help")
-
-
-def file_path(word):
-    """The type of an option that names a file or a folder."""
-    try:
-        return check_path(word)
-    except InputError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
-
-
-def number_from(least, most, kind=float):
-    """The type of an option that is a number from `least` to `most`; kind: int for a whole one."""
-
-    def convert(word):
-        value = kind(word)
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(
-                f"{word}: expected a number from {least:g} to {most:g}; correct it"
-            )
-        return value
-
-    convert.__name__ = kind.__name__  # for what argparse says of a word that is none
-    return convert
-
-
-def arg(*names, **options):
-    """A function that adds this argument to a parser, or a group of one, as `add_argument` takes
-    it."""
-    return lambda parser: parser.add_argument(*names, **options)
-
-
-def file_arg(name, metavar, help_=None, **options):
-    """The same of a path."""
-    return arg(name, type=file_path, metavar=metavar, help=help_, **options)
-
-
-def flag(name, help_, **options):
-    """The same of an option without a value."""
-    return arg(name, action="store_true", help=help_, **options)
-
-
-def group(title, *arguments):
-    """A function that adds these arguments to the group of a parser with this title."""
-
-    def add(parser):
-        named = (one for one in parser._action_groups if one.title == title)
-        titled = next(named, None) or parser.add_argument_group(title)
-        for one in arguments:
-            one(titled)
-
-    return add
-
-
-def fraction(word):
-    """The type of an option that is a number, or two with a stroke between, like 1/500."""
-    over, _, under = str(word).partition("/")
-    try:
-        return float(over) / (float(under) if under else 1.0)
-    except (ValueError, ZeroDivisionError) as error:
-        raise argparse.ArgumentTypeError(
-            f"{word}: expected a number, or a fraction like 1/500; correct it"
-        ) from error
-
-
-def numbers(value):
-    """The type of an option of several numbers: a word with commas between them, or numbers."""
-    try:
-        return tuple(
-            map(float, value.split(",") if isinstance(value, str) else np.atleast_1d(value))
-        )
-    except (TypeError, ValueError) as error:
-        raise argparse.ArgumentTypeError(
-            f"{value}: expected numbers with commas between, like 1,0.5,0.4; correct it"
-        ) from error
 
 
 def _factors(value):
@@ -213,6 +102,17 @@ ACCEPTING = flag(
     "(docs/reference/ranges.md)",
 )
 """The option that accepts implausible values."""
+UNITS = arg(
+    "--units",
+    nargs=2,
+    type=number_from(1, 20, int),
+    default=(1, 1),
+    metavar=("BRICKS", "COURSES"),
+    help=(
+        "the wall in larger units of so many bricks and courses, as stiff, strong and tough, with"
+        " fewer cracks: for many runs (damage.wall.coarser; default 1 1)"
+    ),
+)
 PREPARATION = (
     arg(
         "--unit",
@@ -400,6 +300,7 @@ def _model_arguments(solver):
         ]
     )
     return [
+        UNITS,
         *model_arguments(*(one.name for one in fields(ModelOptions))),
         *_settings("beta_s"),
         *of_reference,
@@ -903,6 +804,8 @@ def free_name(wall, settings, solver, folder="results"):
     """A path for the history that does not exist yet: WALL_MOTION_SOLVER.h5, then _2, _3, ..."""
     settled = [f"settle-{settings.settlement.name}"] if settings.settlement else []
     parts = [wall.name, *settled, settings.loading.name, solver, *settings.model.tags()]
+    if settings.units != (1, 1):
+        parts.append("units-{}x{}".format(*settings.units))
     if settings.events:
         parts[1 + len(settled) : 2 + len(settled)] = [
             f"sequence-of-{len(settings.events)}",

@@ -21,7 +21,7 @@ SLENDER_S = 0.15
 SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
 """Time steps with selective mass scaling [s] (docs/validation/step-and-damping.md)."""
 _SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
-_FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "supports"
+_FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "inputs", "supports"
 """Models of the runs of that table, and options that are free beside them."""
 
 

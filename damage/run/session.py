@@ -36,6 +36,8 @@ from damage.run.schedule import check_size, check_top, deformable_warnings, soft
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, RunSettings, Softening
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
+from damage.wall.coarser import in_units
+from damage.wall.drawn import drawn, ranges
 from damage.wall.house import House, masonry_of
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
@@ -247,7 +249,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to
     be no file.
     """
-    wall = make_wall()
+    wall = in_units(make_wall(), settings.units)
     settings = check(backend, wall, settings)
     out = output_of(backend, wall, settings)
     plan = plan_of(backend, wall, settings)
@@ -283,8 +285,11 @@ def check_house(settings, house):
         settings.check_plausible(placed.wall)
     drive = settings.loading.drive
     for what, given in (
-        ("a push or displacements of supports", drive.top or drive.supports),
-        ("--settlement", settings.settlement),
+        ("displacements of supports", drive.supports),
+        (
+            "a pushed top that may not rotate freely",
+            drive.top and (not drive.top_rotates or drive.top_stiffness),
+        ),
         ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
@@ -293,8 +298,8 @@ def check_house(settings, house):
     ):
         if given:
             raise InputError(
-                f"house {house.name} with {what}: expected a motion of the base, or free vibration,"
-                " alone; leave it out"
+                f"house {house.name} with {what}: expected a motion of the base, a push,"
+                " settlement, or free vibration, alone; leave it out"
             )
 
 
@@ -310,6 +315,7 @@ def output_of(backend, wall, settings):
 
 def plan_of(backend, wall, settings):
     """The RunPlan of a run of settings that were checked; raises InputError."""
+    wall = drawn(wall, ranges(settings.model.inputs), settings.model.strength_seed)
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s
@@ -334,7 +340,7 @@ def _opened(plan, state, parameters, out, write):
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
-    if isinstance(writer, HistoryWriter) and not layout.space:
+    if writer.path and not layout.space:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
@@ -358,7 +364,7 @@ def _laid_out(wall, settings):
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     if settings.settlement:
-        settings.settlement.check_length(wall.length)
+        settings.settlement.check_length(float(layout.ground.right.max()))
     return layout
 
 

@@ -84,6 +84,7 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None
     for what the joints need (`for_joint`); mass_scaling: None for what suits the wall
     (`damage.run.scheme`);
+    units: bricks and courses of which one unit stands (`damage.wall.coarser`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
     checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption
     only; resumed: history of this very run, which continues from its checkpoint, or None; out:
@@ -93,6 +94,7 @@ class RunSettings:
 
     loading: object
     model: ModelOptions
+    units: tuple[int, int] = (1, 1)
     settlement: Settlement | None = None
     continued: str | None = None
     joints_without_bond: object | None = None
@@ -191,10 +193,11 @@ class RunSettings:
     command: str = ""
 
     def __post_init__(self):
+        object.__setattr__(self, "units", tuple(self.units))
         if self.settlement and self.model.supports == "one":
             object.__setattr__(self, "model", replace(self.model, supports="bricks"))
         number = self.life["number"] if self.life else self.event and self.event["life"]
-        if number is not None and self.model.strength_cov:
+        if number is not None and self.model.draws:
             object.__setattr__(self, "model", replace(self.model, strength_seed=number))
         self._check_past()
         if not self.sequence:
@@ -386,6 +389,7 @@ class RunSettings:
             "life": self.life,
             "event": self.event,
             "stresses": self.stresses,
+            "units": self.units != (1, 1) and self.units,
         }
         return {
             "loading": self.loading.as_dict(),

@@ -37,6 +37,8 @@ class ModelOptions:
     strength_cov, strength_seed: coefficient of variation of the joints' strengths, and what seeds
         them: each joint between two bricks has one lognormal factor of mean 1 on tensile strength
         and cohesion.
+    inputs: the wall as "given", or what its user does not know drawn by strength_seed from ranges
+        (`damage.wall.drawn`): of a wall whose masonry was "tested", or of "typical" masonry.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose
     forces the history has.
     soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a
@@ -100,7 +102,16 @@ class ModelOptions:
         default=0,
         metavar="N",
         seed=True,
-        help="seed of the joints' strengths",
+        help="seed of the joints' strengths and of drawn inputs",
+    )
+    inputs: str = choice(
+        ("given", "tested", "typical"),
+        default="given",
+        tag="{inputs}-{strength_seed}",
+        help=(
+            "what a user does not know of the wall: as given, or drawn from the ranges of"
+            " damage/data/ranges, with tests of its masonry or without"
+        ),
     )
     supports: str = choice(
         ("one", "bricks"),
@@ -255,6 +266,11 @@ class ModelOptions:
         for one in fields(self):
             if one.name in names and getattr(self, one.name) != one.default:
                 raise InputError(f"{option_of(one)} = {getattr(self, one.name)!r} {problem}")
+
+    @property
+    def draws(self):
+        """Whether the wall differs by strength_seed."""
+        return bool(self.strength_cov) or self.inputs != "given"
 
     @property
     def deforms(self):

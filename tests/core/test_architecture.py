@@ -12,6 +12,7 @@ from conftest import REPOSITORY, run_command
 # or after.
 ROOMS = [
     (
+        "damage.arguments",
         "damage.errors",
         "damage.units",
         "damage.files",

@@ -24,21 +24,6 @@ def with_opening(height, sill):
     return replace(BLOCKS, openings=(Opening(1.2, 1.2, height, sill),))
 
 
-@pytest.mark.parametrize(
-    ("height", "sill", "courses"),
-    [
-        (0.6, 0.9, (5, 8)),
-        (0.6, 1.1, (6, 9)),  # both edges by themselves: 4 to 8, 6 to 8
-        (0.5, 0.8, (4, 7)),
-        (0.7, 0.0, (0, 4)),
-        (0.3, 2.5, (12, 14)),
-    ],
-)
-def test_an_opening_keeps_its_number_of_courses(height, sill, courses):
-    wall = with_opening(height, sill)
-    assert wall.opening_courses(wall.openings[0]) == courses
-
-
 def test_openings_all_over_are_as_high_as_given_and_near_their_place():
     """500 openings: the nearest number of courses, each edge within three quarters of one, inside
     the wall; where both edges by themselves gave that number, they are what they were."""

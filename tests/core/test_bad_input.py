@@ -44,7 +44,6 @@ OPTIONS = {
     "--harmonix 0.2 0.05": "did you mean --harmonic",
     "--recrod=a.csv": "did you mean --record",
     "--record no_such_file.csv": "no_such_file.csv",
-    "--record " + 300 * "x": "a name of 300 bytes",
     "--record BGAR_HGE --window 6 5": "expected 0 <= start < end",
     "--record BGAR_HGE --scale 1000": "base motion of up to .* up to 100 g",
     "--dt -1e-5": "--dt .s. = -1e-05: expected a number from 1e-09",
@@ -91,12 +90,6 @@ def refused(capsys, tmp_path):
     return run
 
 
-def test_bad_record(refused, tmp_path):
-    record = written(tmp_path / "record.csv", "time_s,acc_m_s2\n0.0,0.0\n0.005,80\n0.01,-80\n")
-    said = r"PGA of the base motion = 8\.15.* g, expected .* to 5 g: cm/s2"
-    refused(said, SYMMETRIC, "--record", record, "--out", tmp_path / "out.h5")
-
-
 @pytest.mark.parametrize("wall", WALLS)
 def test_bad_wall(wall, refused, tmp_path):
     refused(WALLS[wall], wall_file(tmp_path / "wall.py", wall), "--out", tmp_path / "out.h5")
@@ -128,17 +121,11 @@ def test_output_that_is_there_already(refused, tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    "name, complaint",
-    [
-        *[
-            (name, r"expected a name that ends in \.h5")
-            for name in ("first", ".h5", "first.h5.txt", "first.H5")
-        ],
-        ("a\x1b[31m.h5", r"'a\\x1b\[31m.h5': expected a name without control"),
-    ],
+    "name",
+    ["first", ".h5", "first.h5.txt", "first.H5"],
 )
-def test_a_name_that_no_history_can_have(name, complaint, refused, tmp_path):
-    refused(complaint, SYMMETRIC, "--out", name)
+def test_a_name_that_no_history_can_have(name, refused):
+    refused(r"expected a name that ends in \.h5", SYMMETRIC, "--out", name)
 
 
 @pytest.mark.yade
@@ -209,6 +196,7 @@ RUN = {
     "--rest ?": "0 1e-300 0.5",
     "--dt ?": "",
     "--members ?": "",
+    "--units ? 2": "",
 }
 """{words of a run, ? the value: which of ODD go}; all others are refused before anything is
 begun."""

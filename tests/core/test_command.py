@@ -1,10 +1,8 @@
 """What every command has: its version, quiet, completion of a shell; and messages of a wall file's
 mistakes."""
 
-import os
 import re
 import shlex
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -16,6 +14,7 @@ from conftest import run_command, wall_file, written
 from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
 from damage.commands.table import COMMANDS, PROGRAMS
+from damage.draw import run as pictures
 from damage.history.reader import read_history
 from damage.mechanics import compiled
 from damage.run.options import make_parser
@@ -26,18 +25,6 @@ SMALL = "Wall('w', 0.45, 0.15)"
 
 def test_the_version_has_the_package_s_name(output_of):
     assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
-
-
-def test_a_terminal_gets_lines_broken_at_words_and_a_file_whole_ones():
-    words = (sys.executable, "-m", "damage", "index", f"no{'_such' * 4}.h5")
-    (of_file,) = run_command(*words, status=2).stderr.splitlines()
-    ours, its = os.openpty()
-    done = subprocess.run(words, stderr=its, env={**os.environ, "COLUMNS": "40"}, check=False)
-    os.close(its)
-    lines = os.read(ours, 9999).decode().splitlines()
-    os.close(ours)
-    assert done.returncode == 2 and len(of_file) > 40 >= max(map(len, lines))
-    assert of_file.split() == " ".join(lines).split()
 
 
 def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):
@@ -121,6 +108,7 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
     record = written(tmp_path / "pulse.csv", "time_s,acc_m_s2\n0,0\n0.001,1\n0.002,0\n")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
+    monkeypatch.setattr(pictures, "PICTURES", {"drift": pictures.drift_picture})  # one of six
     out = tmp_path / "a.h5"
     assert (
         main(

@@ -27,21 +27,6 @@ def test_they_are_those_of_numpy_in_any_order(seed):
             assert np.array_equal(ours.below(number, n), theirs.integers(0, number, n))
 
 
-def test_known_bits():
-    draws = Draws([3, 1])
-    found = [draws.uniform(2), draws.normal(4), [draws.uniform(1)[0]]]
-    assert [float(one).hex() for part in found for one in part] == [
-        "0x1.0354c65be9b4cp-2",
-        "0x1.a0f84cee51202p-2",
-        "-0x1.d96e023f2dcffp+0",
-        "0x1.5fffce4af8580p-1",
-        "0x1.8b9422a3017e3p-2",
-        "-0x1.af483812e3e8ep-3",
-        "0x1.508d30ccaa0d4p-2",
-    ]
-    assert draws.below(6, 9).tolist() == [3, 3, 5, 4, 4, 3, 0, 3, 4]
-
-
 def test_known_bits_of_the_wedges_and_the_tail():
     """Numbers that a density, or logarithms, decided on."""
     drawn = Draws(0).normal(20_000)

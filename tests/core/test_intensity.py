@@ -50,14 +50,6 @@ def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
     return Record("step", step_s, np.full(samples, amplitude_m_s2))
 
 
-class TestPeaks:
-    def test_pgv_converges_with_the_square_of_the_step(self):
-        exact = 100 * 2 / (2 * np.pi / 0.5)
-        errors = [abs(pgv_cm_s(sine(samples_per_cycle=n)) - exact) for n in (50, 100)]
-        # second order: halving the step quarters the error, up to terms of fourth order
-        assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)
-
-
 class TestArias:
     def test_of_a_sine(self):
         # the trapezoidal rule is exact for whole cycles of a sampled sine, but for round-off
@@ -87,7 +79,7 @@ class TestSpectrum:
         assert_allclose(sa_g, 1 + overshoot, rtol=BETWEEN_INSTANTS)
 
     def test_a_stiff_oscillator_follows_the_ground(self):
-        record = read_record(shipped_record_path())
+        record = windowed(read_record(shipped_record_path()), 18.0, 20.0)
         # the overshoot is in proportion to the period: 3e-5 at step/10, 8e-6 at step/30
         for part in (10, 30):
             sa_g = response_spectrum(record, [record.time_step_s / part])

@@ -50,13 +50,6 @@ class TestToBits:
             2.0,
         ]
 
-    def test_known_bits(self):
-        assert [float(to_bits(x)).hex() for x in (0.1, math.pi, 1e9 + 0.3)] == [
-            "0x1.9999998000000p-4",
-            "0x1.921fb58000000p+1",
-            "0x1.dcd6500000000p+29",
-        ]
-
 
 class TestToGrid:
     @pytest.mark.parametrize("step", [ACCELERATION, DISPLACEMENT])
@@ -71,12 +64,6 @@ class TestToGrid:
         assert to_grid(float(values[0]), step) == rounded[0] and to_grid(
             [values[0]], step
         ).shape == (1,)
-
-    def test_less_than_half_a_step_vanishes(self):
-        assert (
-            to_grid(0.49 * ACCELERATION, ACCELERATION) == 0.0
-            and to_grid(0.51 * ACCELERATION, ACCELERATION) > 0
-        )
 
 
 class TestThreeDigits:

@@ -26,7 +26,10 @@ QUICK_IN_YADE = (
     "splitting brick",
     "brick sheared under 2 MPa, energy",
 )
-LARGE = ("solid wall under its load", "asymmetric wall under its load")
+LARGE = (
+    *(f"{name} wall under its load" for name in ("solid", "symmetric", "asymmetric")),
+    "rocking from 0.8 alpha",
+)
 """Problems beside which a smaller one is, or another of their kind."""
 
 

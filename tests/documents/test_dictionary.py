@@ -3,7 +3,6 @@ meaning."""
 
 from dataclasses import replace
 
-import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -20,7 +19,6 @@ from damage.applications.studies.fragility import (
 from damage.applications.studies.states import INTENSITIES
 from damage.applications.studies.tables import points_of
 from damage.commands.table import all_tables
-from damage.history.schema import OPTIONAL
 from damage.measure.dictionary import TABLES, dictionary_table, write_dictionary
 from damage.measure.tables import RUN_TABLES, summary_row, write_run_tables
 
@@ -103,17 +101,6 @@ def test_applications_register_their_tables():
         "exposure.csv",
         "lives.csv",
     }
-
-
-def test_every_dataset_of_a_history_is_in_it(history):
-    with h5py.File(history.path) as file:
-        for group in (
-            name for name, part in file.items() if isinstance(part, h5py.Group) and name != "run"
-        ):
-            of_deformable = {
-                path.split("/")[1] for path in OPTIONAL if path.startswith(f"{group}/")
-            }
-            assert set(file[group]) == known(f"RUN.h5 {group}") - of_deformable
 
 
 def test_the_shipped_one_is_current(tmp_path):

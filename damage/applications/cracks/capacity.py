@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import scipy  # integrate where it is used: it starts slowly
 
+from damage.applications.cracks.loops import LOOP, loop_measures
 from damage.errors import InputError
 from damage.index import COMPONENTS, THRESHOLD
-from damage.measure.loops import LOOP, loop_measures
 from damage.measure.pushed import SECANT_SHARE, since_the_push
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY

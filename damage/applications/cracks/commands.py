@@ -1,5 +1,6 @@
 """Commands about cracks and laboratories: pushed walls, digitised cracks, surveys beside runs."""
 
+from damage.arguments import WALLS_ARE_CODE, arg, file_arg, group, number_from
 from damage.commands.table import (
     DRIFT_LIMIT,
     JSON,
@@ -16,7 +17,6 @@ from damage.errors import InputError
 from damage.history.info import origin
 from damage.history.reader import read_history
 from damage.provenance import MEASURES, MODEL, shown_path
-from damage.run.options import WALLS_ARE_CODE, arg, file_arg, group, number_from
 from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
 
@@ -188,7 +188,13 @@ def _compare_survey(asked, paths):
         )
     found = []
     for history in map(read_history, runs):
+        history.check_one_layer()
         layout = lay_out(history.masonry_wall, history.model)
+        if len(history.joints) != layout.n_joints:
+            raise InputError(
+                f"compare of {history.path} with a survey: expected a wall of all its bricks, those"
+                " in toothed corners are of the other wall; give a wall by itself"
+            )
         survey = read_survey(surveys[0], layout)
         opening, offset = history.opening_m[-1], history.slip_by("displacement")[-1]
         found.append({"run": str(history.path)} | beside(survey, opening, offset, layout))
@@ -209,8 +215,7 @@ MEASURES.append("applications/cracks/kept.py")  # patterns at rest
 @tables
 def _tables():
     from damage.applications.cracks import calibrate, crack_file
-    from damage.applications.cracks.loops import LOOP_FILE
-    from damage.measure.loops import LOOP
+    from damage.applications.cracks.loops import LOOP, LOOP_FILE
 
     return {
         "crack files": crack_file.COLUMNS,

@@ -1,10 +1,89 @@
-"""Loops of force and drift that a laboratory measured, in a CSV file of LOOP_FILE."""
+"""Measures of a closed loop of force and drift, of a run or of a test: a CSV file of LOOP_FILE."""
 
 import numpy as np
+import scipy  # integrate where it is used: it starts slowly
 
 from damage.csv_table import read_csv
 from damage.history.schema import Column
-from damage.measure.loops import LOOP, loop_measures
+
+LOOP = {
+    "max_drift_pct": Column("%", "largest drift of the loop"),
+    "min_drift_pct": Column("%", "the same in the negative direction"),
+    "max_force_kn": Column("kN", "largest force of the loop"),
+    "min_force_kn": Column("kN", "the same in the negative direction"),
+    "max_at_drift_pct": Column("%", "drift at the largest force"),
+    "min_at_drift_pct": Column("%", "the same in the negative direction"),
+    "residual_max_pct": Column("%", "drift at zero force on unloading from the largest drift"),
+    "residual_min_pct": Column("%", "the same in the negative direction"),
+    "dissipated_j": Column("J", "energy of the closed loop, the integral of F du"),
+    "equivalent_damping": Column(
+        "1", "dissipated_j over 4 pi times F u / 2 of half the ranges of force and displacement"
+    ),
+}
+
+
+def loop_measures(drift, force, height):
+    """Values of LOOP of a closed loop, a list; a residual drift is NaN where the force keeps its
+    sign.
+
+    drift [-], force [N]: (n,) in the order of loading; the last point is joined to the first;
+    height [m]: over which the drift counts.
+
+    Equivalent viscous damping is E_d / (4 pi E_s): E_d is the energy of the loop, E_s = F u / 2
+    the elastic energy of its secant stiffness (Jacobsen 1930, Trans. ASME 52; Chopra, Dynamics of
+    Structures, section 3.9).  F and u are half the ranges of force and displacement, which do not
+    depend on where zero is, nor on how far the force relaxes while a test holds its largest drift;
+    where the force is largest there, this is the damping of ASCE/SEI 7-16, equation 17.8-2.
+
+    An ideal friction slider at 1 m: E_d = 4 F (u - F / k).
+
+    >>> drift = np.array([-3, -1, 3, 1]) / 1e3
+    >>> dict(zip(LOOP, loop_measures(drift, np.array([-1e3, 1e3, 1e3, -1e3]), 1.0)))[
+    ...     "dissipated_j"
+    ... ]
+    8.0
+    """
+    drift, force = np.append(drift, drift[0]), np.append(force, force[0])
+    high, low, most, least = (
+        int(find(values)) for values in (drift, force) for find in (np.argmax, np.argmin)
+    )
+    lost = height * float(scipy.integrate.trapezoid(force, drift))
+    stored = height * np.ptp(force) * np.ptp(drift) / 8
+    values = [
+        *(100 * drift[[high, low]]),
+        *(force[[most, least]] / 1e3),
+        *(100 * drift[[most, least]]),
+        *(100 * _unloaded(drift, force, at) for at in (high, low)),
+        lost,
+        lost / (4 * np.pi * stored) if stored > 0 else np.nan,
+    ]
+    return [float(value) for value in values]
+
+
+def loops_at(table, drift_pct):
+    """Energy [J] and equivalent damping [-] of loops that reach a drift [%], arrays as it.
+
+    table: a DataFrame with the columns of LOOP, of loops of growing drift; linear between them in
+    half their ranges of drift, NaN beyond.
+    """
+    table = table.assign(reach=(table["max_drift_pct"] - table["min_drift_pct"]) / 2)
+    table = table.sort_values("reach", kind="stable")
+    return tuple(
+        np.interp(drift_pct, table["reach"], table[name], left=np.nan, right=np.nan)
+        for name in ("dissipated_j", "equivalent_damping")
+    )
+
+
+def _unloaded(drift, force, start):
+    """Drift [-] at which the force of a closed loop first is zero after sample `start`."""
+    drift, force = (np.roll(values[:-1], -start) for values in (drift, force))
+    drift, force = np.append(drift, drift[0]), np.append(force, force[0])
+    at = int(np.argmax(force * force[0] <= 0))
+    if at == 0:
+        return drift[0] if force[0] == 0 else np.nan
+    share = force[at - 1] / (force[at - 1] - force[at])
+    return drift[at - 1] + share * (drift[at] - drift[at - 1])
+
 
 LOOP_FILE = {
     "loop": Column("", "name of a closed loop", "U"),

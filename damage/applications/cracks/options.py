@@ -7,10 +7,11 @@ import numpy as np
 
 from damage.applications.cracks.crack_file import read_cracks
 from damage.applications.cracks.plausible import implausible_places
+from damage.arguments import arg, file_arg, number_from
 from damage.errors import InputError, warn
 from damage.measure.cracks import ENDS
 from damage.provenance import file_origin
-from damage.run.options import PAST, Source, arg, file_arg, number_from, register
+from damage.run.options import PAST, Source, register
 from damage.units import MILLIMETRE
 
 

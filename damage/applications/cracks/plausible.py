@@ -1,4 +1,4 @@
-"""Which cracks a wall can have: finds places and widths in a wrong unit, or z from elsewhere."""
+"""Which cracks a wall can have: finds places and widths in a wrong unit."""
 
 import numpy as np
 
@@ -9,13 +9,8 @@ CRACK_WIDTH = plausible(
     0.01, 200, "mm", "visible by a lens; a wall that is about to fall", others={"m": 1e3, "cm": 10}
 )
 """Largest width of the cracks of a file."""
-OFF_WALL, ON_WALL = 0.2, 0.02
-"""Share of the length of a file's cracks off the wall above which its places are implausible, and
-up to which those in another unit or with another z are named."""
-SMALL = 0.05
-"""Share of the wall's length or height that cracks in another unit take at least."""
-_FRAMES = {"z up": (0, 1), "z down from the top": (1, -1), "negative z down from the top": (1, 1)}
-"""{what may have been meant by z: its shift in heights of the wall, its factor}."""
+OFF_WALL = 0.2
+"""Share of the length of a file's cracks off the wall above which its places are implausible."""
 
 
 def implausible_places(ends, wall):
@@ -25,16 +20,12 @@ def implausible_places(ends, wall):
     ends = np.asarray(ends, float)
     if len(ends) == 0 or _share_off(ends, wall) <= OFF_WALL:
         return None
-    fits = next(
-        (words for words, moved in _other_frames(ends, wall) if _share_off(moved, wall) <= ON_WALL),
-        None,
-    )
     low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
     return (
         f"{100 * _share_off(ends, wall):.0f} % of the cracks' length, x = {low[0]:.4g} to"
         f" {high[0]:.4g} m, z = {low[1]:.4g} to {high[1]:.4g} m, lies beside wall {wall.name} of"
         f" {wall.length:.4g} x {wall.built_height:.4g} m or in its openings: expected m, x from its"
-        " left end and z up from its base" + (f"; as {fits} they fit" if fits else "")
+        " left end and z up from its base"
     )
 
 
@@ -46,22 +37,6 @@ def implausible_width(widest_mm):
     """
     message = message_of("the widest crack", widest_mm, CRACK_WIDTH)
     return message and f"{message}, of width_mm, opening_mm or slip_mm"
-
-
-def _other_frames(ends, wall):
-    """Yield (what may have been meant, the cracks moved by it), but for cracks that become so small
-    that all would fit into a corner."""
-    for unit, size in {"m": 1.0, "cm": 1e-2, "mm": 1e-3}.items():
-        if max(size * np.ptp(ends, axis=(0, 1)) / (wall.length, wall.built_height)) > SMALL:
-            for words, (shift, factor) in _FRAMES.items():
-                yield (
-                    f"in {unit}, {words}",
-                    ends * (size, factor * size)
-                    + (
-                        0.0,
-                        shift * wall.built_height,
-                    ),
-                )
 
 
 def _share_off(ends, wall):

@@ -12,11 +12,12 @@ from damage.applications.groningen.exposure.catalogue import (
 )
 from damage.applications.groningen.exposure.exposure import describe as describe_exposure
 from damage.applications.groningen.exposure.lives import KEYS, draws_of
+from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import JSON, WALL, command, out, output, save, show, tables
 from damage.errors import InputError, warn
 from damage.files import is_there, write_text
 from damage.provenance import MODEL
-from damage.run.options import arg, file_arg, flag, group, number_from
+from damage.run.options import UNITS
 from damage.wall.file import wall_path
 
 
@@ -236,6 +237,15 @@ def _lives_options(within, strong):
                 help="scatter of the joints' strengths (default 0.3)",
             ),
             arg(
+                "--inputs",
+                choices=("given", "tested", "typical"),
+                default="typical",
+                help=(
+                    "the wall as given, or what nobody knows of it drawn, with tests of its masonry"
+                    " or without (default typical)"
+                ),
+            ),
+            arg(
                 "--settle",
                 metavar="PROFILE|FILE.csv",
                 help="settlement of the ground before the first event",
@@ -292,6 +302,7 @@ def _life(asked):
     options = {
         "rest": asked.rest,
         "strength-cov": asked.strength_cov,
+        "inputs": asked.inputs,
         "settle": asked.settle,
         "distortion": asked.distortion,
     }
@@ -345,6 +356,7 @@ def _life(asked):
     ),
     group(
         "runs",
+        UNITS,
         file_arg(
             "--levels",
             "LEVELS.csv",
@@ -362,6 +374,13 @@ def _life(asked):
     ),
 )
 def _claim(asked):
+    from damage.applications.groningen.claim.dutch import said_in
+
+    with said_in(asked.language):
+        return _make_claim(asked)
+
+
+def _make_claim(asked):
     import os
 
     from damage.applications.groningen.claim.make import Claim, make_claim
@@ -392,10 +411,11 @@ def _claim(asked):
             asked.wall,
             _address_of(asked),
             asked.cracks,
-            {"rest": asked.rest, "strength-cov": asked.strength_cov},
+            {"rest": asked.rest, "strength-cov": asked.strength_cov, "inputs": asked.inputs},
             settlement,
             asked.draws,
             asked.language,
+            tuple(asked.units),
         ),
         asked.out,
         asked.jobs or os.cpu_count(),

@@ -4,18 +4,11 @@ address."""
 from dataclasses import replace
 
 from damage.applications.groningen.exposure.lives import events_of, read_address
+from damage.arguments import arg, file_arg, number_from
 from damage.errors import InputError
 from damage.fields import MOST_SEED
 from damage.motion.formats import shipped_records
-from damage.run.options import (
-    Source,
-    arg,
-    fields_of_events,
-    file_arg,
-    number_from,
-    refuse_motions,
-    register,
-)
+from damage.run.options import Source, fields_of_events, refuse_motions, register
 
 
 def _fields(given):
@@ -99,7 +92,7 @@ register(
                 metavar="N",
                 help=(
                     "number of the life: by it motions are "
-                    "drawn and, where --strength-cov is given, the joints' strengths"
+                    "drawn and, where --strength-cov or --inputs is given, the wall"
                 ),
             ),
         ),

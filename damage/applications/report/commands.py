@@ -4,21 +4,12 @@ from dataclasses import fields
 from pathlib import Path
 
 from damage.applications.studies.commands import WRITERS
+from damage.arguments import WALLS_ARE_CODE, arg, file_arg, flag, group, number_from
 from damage.commands.table import HISTORY, command, extend, out, output, tables
 from damage.commands.walls import plausible_wall
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.run.options import (
-    ACCEPTING,
-    WALLS_ARE_CODE,
-    arg,
-    file_arg,
-    flag,
-    group,
-    model_arguments,
-    model_of,
-    number_from,
-)
+from damage.run.options import ACCEPTING, model_arguments, model_of
 from damage.start import missing_library
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -232,7 +223,7 @@ extend(
             "--export",
             "DIR",
             "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
-            "coefficients with units, arrays",
+            "coefficients with units",
         )
     ),
 )

@@ -1,21 +1,14 @@
-"""Fragility curves for other tools: NRML 0.5, a CSV of coefficients with their units, arrays of
-damage states.
+"""Fragility curves for other tools: NRML 0.5, a CSV of coefficients with their units.
 
 A step, whose dispersion the data do not give, is no lognormal curve and is not written as one: the
-CSV bounds its median, the discrete NRML (probabilities at levels of intensity) and the arrays rise
-in a straight line between the bounds, and the continuous NRML (mean and standard deviation of a
-lognormal distribution, `logncdf`) leaves it out.
+CSV bounds its median, the discrete NRML (probabilities at levels of intensity) rises in a straight
+line between the bounds, and the continuous NRML (mean and standard deviation of a lognormal
+distribution, `logncdf`) leaves it out.
 
 The NRML is that of the OpenQuake engine, `openquake/risklib/read_nrml.py` and the manual's chapter
 on fragility models: https://docs.openquake.org/oq-engine/master/manual/
-The arrays are in the layout of GEM's Vulnerability Modellers' ToolKit
-(`openquake.vmtk.postprocessor`, what its analyses return,
-https://github.com/GEMScienceTools/oq-vmtk): `intensities` (n,), `poes` (n, n_states), `medians`,
-`betas_total` and `damage_thresholds` (n_states,), so that its `get_vulnerability_function(poes,
-consequences, intensities)` takes them; `medians` and `betas_total` of a step are NaN.
 """
 
-import io
 import re
 from pathlib import Path
 from xml.etree import ElementTree as Xml
@@ -203,7 +196,7 @@ def write_curves(fits, folder, eigen_period_s):
     eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each
     wall and measure, and one fragility_coefficients.csv.
     A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all
-    by an intensity that OpenQuake has no name for, but for the arrays.
+    by an intensity that OpenQuake has no name for.
     """
     folder, paths = Path(folder), []
     for wall, ones in fits.items():
@@ -217,7 +210,6 @@ def write_curves(fits, folder, eigen_period_s):
                 for kind in ("continuous", "discrete")
                 if same[0].intensity in _TYPES
             ]
-            paths.append(write_arrays(same, folder / f"{stem}.npz"))
     paths.append(write_table(coefficients(fits), folder / "fragility_coefficients.csv"))
     return [path for path in paths if path]
 
@@ -284,23 +276,3 @@ def coefficients(fits):
             for one in ones
         ]
     )
-
-
-def write_arrays(fits, path):
-    """Write the arrays of one wall and measure as NPZ, whole or not at all; returns the path, None
-    without a curve."""
-    curves = fitted(fits)
-    if not curves:
-        return None
-    x, content = levels(curves), io.BytesIO()
-    np.savez(
-        content,
-        intensities=x,
-        poes=np.column_stack([probability(fit, x) for fit in curves]),
-        medians=[np.nan if fit.step else fit.median for fit in curves],
-        betas_total=[np.nan if fit.step else fit.dispersion for fit in curves],
-        damage_thresholds=[fit.level for fit in curves],
-    )
-    with whole_or_nothing(path) as unfinished:
-        unfinished.write_bytes(content.getvalue())
-    return Path(path)

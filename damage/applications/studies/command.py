@@ -34,9 +34,9 @@ from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
 from damage.applications.studies.tasks import KEEP, PICTURES, Point, slices
 from damage.applications.studies.worker import work
+from damage.arguments import OneLineParser, file_path, number_from
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
-from damage.run.options import OneLineParser, file_path, number_from
 from damage.start import EXIT_INTERRUPTED
 
 
@@ -180,6 +180,10 @@ def _say_changed(changed):
         )
 
 
+WATCH_S = 10.0
+"""Between two lines on how far runs are [s]."""
+
+
 class Batch:
     """Points of a study on their way in one folder."""
 
@@ -221,6 +225,7 @@ class Batch:
         file: open file of records; inputs: {StudyRun: (key of its inputs, these as JSON)}.
         """
         self._began, self._there_before = time.monotonic(), self._done
+        self._said, self._runs_before = self._began, self._runs_done
 
         def follow(task, record):
             """Write the record of a run; returns the tasks that follow."""
@@ -238,7 +243,8 @@ class Batch:
             return [*more, *point.next_pictures()]
 
         notes = {run.id: content for run, (_, content) in inputs.items()}
-        pool = Pool(self.asked.jobs, partial(work, inputs=notes), self.lock, self.folder, say)
+        work_on = partial(work, inputs=notes)
+        pool = Pool(self.asked.jobs, work_on, self.lock, self.folder, say, self._watch)
         pool.run(
             [
                 task
@@ -249,15 +255,15 @@ class Batch:
         )
         if pool.interrupted:
             if pool.n_lost:
-                kept = sum(len(point.records) for point in self.points.values())
                 say(
-                    f"interrupted: {pool.n_lost} runs were under way and are lost; {kept} that had"
+                    f"interrupted: {pool.n_lost} runs were under way; {self._runs_done} that had"
                     " ended are kept"
                 )
             self._count()
             print(
-                "interrupted: runs that had ended are kept, those that were under way begin again:"
-                f" the same command continues from here{self.again}",
+                "interrupted: runs that had ended are kept, those that were under way continue"
+                " from where they stood, of YADE they begin again: the same command continues from"
+                f" here{self.again}",
                 file=sys.stderr,
             )
             return EXIT_INTERRUPTED
@@ -293,13 +299,28 @@ class Batch:
     def _done(self):
         return sum(point.done for point in self.points.values())
 
+    @property
+    def _runs_done(self):
+        return sum(len(point.records) for point in self.points.values())
+
+    def _watch(self, under_way):
+        """Say now and then how far the runs are; under_way: as of Pool."""
+        now, done = time.monotonic(), self._runs_done
+        made = done - self._runs_before + under_way
+        if now < self._said + WATCH_S or not made:
+            return
+        self._said = now
+        runs = sum(one.run.runs_needed(one.records) for one in self.points.values())
+        left = (now - self._began) / made * (runs - done - under_way)
+        share = 100 * (done + under_way) / runs
+        say(f"{done} of {runs} runs, {share:.1f} % simulated; {clock(left)} left")
+
     def _show(self, point):
         """Print that a point is done, and how far the study is."""
         done, left = self._done, ""
         if done < len(self.points):
             pace_s = (time.monotonic() - self._began) / max(1, done - self._there_before)
-            minutes, seconds = divmod(round(pace_s * (len(self.points) - done)), 60)
-            left = f", about {minutes}:{seconds:02d} left"
+            left = f", {clock(pace_s * (len(self.points) - done))} left"
         say(
             f"{point.run.id}: done\n{self.what}: {done} of {len(self.points)} {self.unit}"
             f" simulated{left}"
@@ -346,6 +367,12 @@ class Batch:
                 f"failed: {what}; see {task.log}{last_words(task.log, task.name)}", file=sys.stderr
             )
         return 1 if failed else 0
+
+
+def clock(time_s):
+    """A time [s] in words, "about 1:05" of minutes and seconds."""
+    minutes, seconds = divmod(round(time_s), 60)
+    return f"about {minutes}:{seconds:02d}"
 
 
 def say(line):

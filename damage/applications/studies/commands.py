@@ -1,12 +1,12 @@
 """Commands about studies: run them, what they write, fragility."""
 
 from damage.applications.studies.read import made_by_words
+from damage.arguments import arg, file_arg, group, number_from
 from damage.commands.table import command, out, program, save, tables
 from damage.errors import warn
 from damage.files import json_text
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
-from damage.run.options import arg, file_arg, group, number_from
 
 WRITERS = []
 """Functions of the options of `fragility`, the runs, their fits and the intensity, which write the

@@ -97,7 +97,8 @@ ENTRY_KEYS = {
     ),
     "scatter": f"of members: coefficient of variation of the strengths (default {SCATTER:g})",
     "samples": (
-        "an ensemble in the reference solver: draws of the joints' strengths; needs strength-cov"
+        "an ensemble in the reference solver: draws of the joints' strengths and of the inputs of"
+        " the wall; needs strength-cov or inputs"
     ),
     "lives": "an ensemble in the reference solver: lives 1, 2, ... at the address of the options",
 }
@@ -519,10 +520,10 @@ def _try_options(run, where, root):
         settings = run.settings(root)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
-    if run.varied == "strength_seed" and not settings.model.strength_cov:
+    if run.varied == "strength_seed" and not settings.model.draws:
         raise InputError(
-            f"{where}: samples of walls whose strengths do not scatter; expected strength-cov = 0.3"
-            " or the like among the options; add it"
+            f"{where}: samples of walls that do not differ; expected strength-cov = 0.3,"
+            ' or inputs = "typical", among the options; add one of them'
         )
 
 

@@ -18,6 +18,7 @@ from damage.checks import check_file
 from damage.motion.record import Record
 from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
+from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 
@@ -54,9 +55,11 @@ class Inputs:
 
 
 def inputs_of(run, root, wall=None):
-    """The Inputs of a StudyRun; root: the repository; wall: as one of its runs has read it.  Raises
-    InputError where wall, options or a file are bad."""
+    """The Inputs of a StudyRun; root: the repository; wall: as one of its runs has it, which is
+    that of the file unless its inputs are drawn.  Raises InputError where wall, options or a file
+    are bad."""
     settings = run.settings(root)
+    as_read = wall if settings.model.inputs == "given" else None
     continued = (
         settings.continued
         and hashlib.sha256(
@@ -65,7 +68,8 @@ def inputs_of(run, root, wall=None):
             ).read_bytes()
         ).hexdigest()
     )
-    return Inputs(wall or load_wall(root / run.wall), settings, continued, _drawn_from(run, root))
+    as_read = as_read or in_units(load_wall(root / run.wall), settings.units)
+    return Inputs(as_read, settings, continued, _drawn_from(run, root))
 
 
 def _drawn_from(run, root):

@@ -27,6 +27,7 @@ from damage.run.report import report
 from damage.run.session import announce, check, output_of, plan_of
 from damage.run.settings import SCATTER
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.wall.coarser import in_units
 
 OF_MEMBERS = "members", "seed", "scatter", "out", "overwrite", "no-pictures", "quiet"
 """Options of a run with members that its members have otherwise."""
@@ -39,7 +40,7 @@ def run_members(wall_file, make_wall, settings, words):
     The history of the first member is the file of the run, with the table of all that ended beside
     it; those of the others are not kept.
     """
-    wall = make_wall()
+    wall = in_units(make_wall(), settings.units)
     settings = check(BACKEND, wall, settings)
     out = Path(output_of(BACKEND, wall, settings))
     announce(plan_of(BACKEND, wall, settings))

@@ -49,7 +49,7 @@ class Worker:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         theirs.close()
-        self.tasks = []
+        self.tasks, self.shares = [], {}
 
     def takes(self, task, share):
         """Whether a task can go to it; share: how many runs step together in a process."""
@@ -86,9 +86,11 @@ class Worker:
 class Pool:
     """So many processes that do tasks in the folder of a study."""
 
-    def __init__(self, jobs, work, lock, folder, say):
+    def __init__(self, jobs, work, lock, folder, say, watch=lambda runs: None):
         """work: what each of them does, `damage.applications.studies.worker.work`; lock: descriptor
-        that solvers hold as long as they run; say(line): prints a line."""
+        that solvers hold as long as they run; say(line): prints a line; watch(runs): gets now and
+        then how much of the runs under way is simulated, in runs."""
+        self._watch = watch
         self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say
         self.interrupted = self.short = False  # ended by a signal; in want of room
         self.failed, self.n_lost = [], 0  # tasks; runs that an interrupt ended
@@ -160,13 +162,23 @@ class Pool:
         """Take note of what a process sent, and whether it is lost."""
         sent, lost = worker.take()
         for task, *ended in sent:
-            if task is None:
+            if task is None and ended[0] is None:
+                worker.shares = ended[1]
+                self._watch(self._under_way)
+            elif task is None:
                 self._say(ended[0])
             elif self.ended or ended[0] != EXIT_INTERRUPTED:  # else it ends, and the task with it
                 worker.tasks.remove(task)
                 self._end(task, *ended, follow)
         if lost:
             self._waiting += self._bury(worker)
+
+    @property
+    def _under_way(self):
+        """How much of the runs under way is simulated, in runs."""
+        return sum(
+            worker.shares.get(task.name, 0.0) for worker in self._workers for task in worker.tasks
+        )
 
     def _hand_out(self):
         """Give tasks to processes that can take them."""
@@ -180,10 +192,7 @@ class Pool:
             while queue and (worker := self._worker_for(queue[0], share)):
                 if queue[0].steps and share > 1 and not self._announced:
                     self._announced = True
-                    self._say(
-                        f"up to {share} runs step together in a process: an interruption loses"
-                        " those under way"
-                    )
+                    self._say(f"up to {share} runs step together in a process")
                 worker.give(queue.pop(0))
 
     def _worker_for(self, task, share):

@@ -10,7 +10,8 @@ command calls.
 import argparse
 
 from damage.applications.studies import definition
-from damage.run.options import file_path, options_of_a_run
+from damage.arguments import file_path
+from damage.run.options import options_of_a_run
 from damage.toml_file import DRAFT
 
 _NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"

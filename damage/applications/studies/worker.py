@@ -2,8 +2,8 @@
 YADE, or pictures.
 
 It takes tasks from a connection and sends what becomes of them: (task, exit status, record or
-None), (task, CHANGED, how its inputs changed, words), or a line for the person at the terminal,
-(None, line, None).
+None), (task, CHANGED, how its inputs changed, words), a line for the person at the terminal,
+(None, line, None), or (None, None, {name of a run under way: share that is simulated}).
 """
 
 import os
@@ -38,11 +38,14 @@ from damage.measure.tables import write_run_tables
 from damage.memory import return_freed
 from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_references
+from damage.run.checkpoint import checkpoint_path
 from damage.run.options import words_of
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
 PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
+SHARES_S = 2.0
+"""Between two looks at how far runs are [s]."""
 # of damage.run.session.Progress
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")
 
@@ -97,42 +100,71 @@ def _do_runs(first, connection, waiting, settled, inputs):
     it ends.  Returns EXIT_INTERRUPTED where they were interrupted."""
     print_into(first.log)
     waiting.appendleft(first)
-    tasks, histories, interrupted = {}, {}, EXIT_OK
+    group, interrupted = Group(connection, waiting, inputs), EXIT_OK
+    for name, status in run_references(group.lines(), group.histories, settled, group.watch):
+        interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
+        group.end(name, status)
+        return_freed()
+    return interrupted
 
-    def lines():
+
+class Group:
+    """Runs of a process that step together; histories: {name: as of `run_references`}.  Arguments
+    as of `_do_runs`."""
+
+    def __init__(self, connection, waiting, inputs):
+        self._connection, self._waiting, self._inputs = connection, waiting, inputs
+        self._tasks, self.histories, self._shares = {}, {}, {}
+        self._said = time.monotonic()
+
+    def lines(self):
         """(name, run) of the next runs, as `run_references` takes them; (None, None) where there is
         none now."""
         while True:
-            while connection.poll():
-                waiting.append(connection.recv())
-            if not waiting or not waiting[0] or not waiting[0].steps:
+            while self._connection.poll():
+                self._waiting.append(self._connection.recv())
+            if not self._waiting or not self._waiting[0] or not self._waiting[0].steps:
                 yield None, None
-                continue
-            task = waiting.popleft()
-            if task.history.is_file():
-                connection.send((task, *conclude(task)))
-                continue
-            tasks[task.name] = task
-            histories[task.name] = Begun(
-                task, inputs, HistoryKept if task.kept else HistoryInMemory
-            )
-            print("---", task.name, flush=True)
-            yield task.name, (task.point.wall, partial(_settings, task))
+            elif self._begins(task := self._waiting.popleft()):
+                print("---", task.name, flush=True)
+                yield task.name, (task.point.wall, partial(_settings, task))
 
-    for name, status in run_references(lines(), histories, settled):
-        interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
-        task, history = tasks.pop(name), histories.pop(name)
-        if isinstance(history, Begun):  # of a run that never had one
-            connection.send(
+    def _begins(self, task):
+        """Whether a task is to be simulated; sends what becomes of it otherwise."""
+        if task.history.is_file():
+            self._connection.send((task, *conclude(task)))
+        elif _stands(task) and (found := changes(task, self._inputs)):
+            self._connection.send((task, CHANGED, found))
+        else:
+            self._tasks[task.name] = task
+            kind = HistoryKept if task.kept else HistoryInMemory
+            self.histories[task.name] = Begun(task, self._inputs, kind)
+            return True
+        return False
+
+    def watch(self, name, share):
+        """Send now and then which share of each run is simulated."""
+        self._shares[name] = share
+        if time.monotonic() > self._said + SHARES_S:
+            self._said = time.monotonic()
+            under_way = self._shares.keys() & self._tasks.keys()
+            self._connection.send((None, None, {one: self._shares[one] for one in under_way}))
+
+    def end(self, name, status):
+        """Send what became of a run, by its exit status."""
+        task, history = self._tasks.pop(name), self.histories.pop(name)
+        if status not in (EXIT_OK, EXIT_INTERRUPTED) and _stands(task):
+            # of another version, or of other options: it begins again
+            checkpoint_path(task.part).unlink()
+            self._waiting.append(task)
+        elif isinstance(history, Begun):  # of a run that never had one
+            self._connection.send(
                 (task, CHANGED, history.changes) if history.changes else (task, status, None)
             )
         else:
-            connection.send(
+            self._connection.send(
                 (task, *(conclude(task, history) if status == EXIT_OK else (status, None)))
             )
-        del history
-        return_freed()
-    return interrupted
 
 
 class Begun:
@@ -168,7 +200,13 @@ def _settings(task, prog):
 
 def _where(task):
     """The options of a task beside those of its point."""
-    return {"out": str(task.part), "overwrite": True, "pictures": False}
+    place = {"resume": str(task.part)} if _stands(task) else {"out": str(task.part)}
+    return place | {"overwrite": "out" in place, "pictures": False}
+
+
+def _stands(task):
+    """Whether a run was interrupted, and can continue from there."""
+    return task.steps and task.part.is_file() and checkpoint_path(task.part).is_file()
 
 
 def conclude(task, kept=None):

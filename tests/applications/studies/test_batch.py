@@ -187,6 +187,27 @@ class TestBatch:
         }
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["members"]) == [4] * 4
 
+    @pytest.mark.long
+    def test_runs_that_step_together_continue_where_they_were_interrupted(self, batches):
+        long = (DRAWN % 3).replace("cycles = 1", "cycles = 12")
+        study, log = batches.study(long), batches.out / "logs" / "reference.log"
+        batch = batches.start(study, "--keep", "patterns")
+        wait_until(lambda: log.is_file() and log.read_text().count("history:") >= 4)
+        batch.send_signal(signal.SIGTERM)
+        batch.communicate(timeout=60)
+        runs = batches.out / "runs"
+        stood = sorted(runs.glob("*.checkpoint"))
+        assert batch.returncode == 130 and stood, "it ended before it could be interrupted"
+        stood[0].write_bytes(b"of another version")
+        done = batches.run(study, "--keep", "patterns")
+        assert done.returncode == 0, done.stderr
+        assert "no whole checkpoint" in log.read_text() and not list(runs.glob("*.checkpoint"))
+        whole = batches.folder / "whole"
+        assert batches.run(study, "--keep", "patterns", out=whole).returncode == 0
+        assert batches.tables() == batches.tables(whole)
+        for path in (whole / "patterns").iterdir():
+            assert path.read_bytes() == (batches.out / "patterns" / path.name).read_bytes()
+
     def test_with_histories_of_a_sample_alone_the_tables_are_the_same(self, batches, drawn):
         study, summary = batches.study(DRAWN % 4), batches.folder / "summary"
         assert batches.run(study, "--keep", "summary", out=summary).returncode == 0

@@ -92,7 +92,7 @@ class TestGrid:
             (f"grid = 3\n[[runs]]\n{WALL}{SINE}", "grid is no list of tables"),
             (f"[[runs]]\n{WALL}{SINE}members = 0", "members = 0"),
             (f"[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2", "expected one kind"),
-            (f"[[runs]]\n{WALL}{SINE}samples = 2", "strengths do not scatter"),
+            (f"[[runs]]\n{WALL}{SINE}samples = 2", "walls that do not differ"),
             (f"[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2", "--seed is set by members"),
             (f'[[runs]]\n{WALL}{SINE}solvers = ["udec"]', "solvers = ['udec']"),
             (f'[[runs]]\n{WALL}{SINE}solvers = ["yade"]', "expected --solver yade"),

@@ -1,5 +1,6 @@
 """Make a claim's sheet: checks, draws until the intervals are narrow enough, numbers, sheet."""
 
+import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from damage.applications.groningen.claim.numbers import (
     numbers_of,
 )
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, in_words, sheet
+from damage.applications.groningen.claim.size import size_of
 from damage.applications.groningen.claim.twins import (
     BOTH,
     DRAWN,
@@ -24,14 +26,20 @@ from damage.applications.groningen.claim.twins import (
 )
 from damage.applications.groningen.exposure.lives import draws_of, read_address
 from damage.applications.report.words import number, words
+from damage.applications.studies.command import clock
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, held
+from damage.applications.studies.records import read_records
+from damage.arguments import fraction
 from damage.errors import InputError, some_of, warn
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
-from damage.run.options import fraction, settings_of
+from damage.run.options import settings_of
+from damage.wall.as_built import warn_of_courses
+from damage.wall.coarser import coarser
+from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -40,6 +48,10 @@ STEPS = 10, 96, 192, 400, 800
 """Numbers of draws after which there is a sheet: the first ones show what it will be of; 96 is what
 an interval of ±10 of 100 takes."""
 
+USUAL = {"within_km": 3.5, "strong": (0.05, 0.15), "above_mm_s": 8.0}
+USUAL_OPTIONS = {"rest": 0.2, "strength-cov": 0.3, "inputs": "typical"}
+"""Of a claim where nothing is given: keys of its address, options of its runs."""
+
 
 @dataclass(frozen=True)
 class Claim:
@@ -47,7 +59,7 @@ class Claim:
     `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file
     of cracks; options: of each run; settlement: options of a settlement of known shape and size, {}
     for none that is known; draws: their number, None for as many as the intervals or an answer
-    need; language: of the sheet."""
+    need; language: of the sheet; units: bricks and courses of a unit (`damage.wall.coarser`)."""
 
     wall: str
     address: dict
@@ -56,6 +68,7 @@ class Claim:
     settlement: dict = field(default_factory=dict)
     draws: int | None = None
     language: str = "en"
+    units: tuple[int, int] = (1, 1)
 
 
 def make_claim(claim, out, jobs, remake=False):
@@ -67,27 +80,34 @@ def make_claim(claim, out, jobs, remake=False):
     out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
     drawn_from = draws_of(claim.address)
     drawn_from.life(1)  # says what is wrong before anything is written
-    layout = layout_of(claim.wall)
+    layout = layout_of(claim.wall, claim.units)
     settled = settings_of(claim.settlement, "", "reference").settlement
     if settled is not None:
         settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
-    warn(*drawn_from.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
+    warn(
+        *warn_of_courses(layout.plan),
+        *drawn_from.exposure.warnings,
+        *survey.notes,
+        *_no_answer_foreseen(survey, steps[-1]),
+    )
     print(on_joints(survey.as_dict()))
     with held(out, Path(NAME).stem) as lock:
-        _state_runs(jobs, steps)
-        for draws in steps:
+        _state_runs(size_of(_study(claim, out, steps[0])), jobs, steps)
+        began, there = time.monotonic(), len(read_records(out).runs) // 2
+        for draws, following in zip(steps, (*steps[1:], None)):
             study = _study(claim, out, draws)
             if status := _draw(study, out, jobs, remake, lock):
                 return status
             first = _first(out, study)
-            if first.masonry_wall != layout.wall:
+            model = first.model
+            if first.masonry_wall != drawn(layout.wall, ranges(model.inputs), model.strength_seed):
                 raise InputError(
                     f"{claim.wall} changed since this claim began: expected the wall that its"
                     " cracks were put on; give the same command again"
                 )
             twins = read_twins(out, layout)
-            given = claim.address | claim.options
+            given = claim.address | claim.options | {"units": claim.units}
             exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
             numbers = numbers_of(
                 twins, survey, layout, exposure, given, _ground(claim), _evidence(first)
@@ -101,7 +121,8 @@ def make_claim(claim, out, jobs, remake=False):
             if done:
                 break
             print(f"{draws} draws, not yet the answer: {place}", flush=True)
-    print(describe(numbers), place, sep="\n")
+            _state_pace(began, draws - there, following - draws)
+    print(describe(numbers, claim.language), place, sep="\n")
     return 0
 
 
@@ -133,9 +154,10 @@ def _draw(study, out, jobs, remake, lock):
     )
 
 
-def layout_of(wall):
-    """Layout of a claim's wall: its file, or the name of one that ships."""
-    return lay_out(load_wall(wall_path(wall)), ModelOptions(supports="bricks"))
+def layout_of(wall, units=(1, 1)):
+    """Layout of a claim's wall: its file, or the name of one that ships; in units of so many bricks
+    and courses."""
+    return lay_out(coarser(load_wall(wall_path(wall)), *units), ModelOptions(supports="bricks"))
 
 
 def _no_answer_foreseen(survey, most):
@@ -154,23 +176,30 @@ def _no_answer_foreseen(survey, most):
     return [words[why] for why, _ in reasons(survey.as_dict(), most, 0.0)]
 
 
-def _state_runs(jobs, steps):
-    """Print the number of runs of the first draws, and of the most that may follow, before anything
-    starts."""
+def _state_runs(size, jobs, steps):
+    """Print the size of the first draws, and of the most that may follow, and about how long they
+    take, before anything starts."""
     shown = dict.fromkeys((steps[min(1, len(steps) - 1)], steps[-1]))
-    sizes = [f"{2 * draws} runs of {draws} draws" for draws in shown]
     print(
-        f"expected: {sizes[0]}, {jobs} at a time"
-        + (f"; up to {sizes[1]}, if the intervals or an answer need them" if len(sizes) > 1 else "")
-        + f".  An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command"
-        " continues after an interruption.",
+        *(f"expected: {size.describe(draws, jobs)}" for draws in shown),
+        f"An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command continues"
+        " after an interruption.",
+        sep="\n",
         flush=True,
     )
 
 
+def _state_pace(began, made, more):
+    """Print how long so many more draws take, by the time [s] of those that this command made."""
+    if made > 0:
+        left = (time.monotonic() - began) / made * more
+        print(f"at this pace {more} more draws take {clock(left)}", flush=True)
+
+
 def _study(claim, out, draws):
     """The Study of so many draws, whose file is written into a folder."""
-    path = write_twins(out, claim.wall, claim.address, claim.options, claim.settlement, draws)
+    options = claim.options | ({"units": list(claim.units)} if claim.units != (1, 1) else {})
+    path = write_twins(out, claim.wall, claim.address, options, claim.settlement, draws)
     return load_study(path, "reference", ROOT)
 
 
@@ -205,13 +234,13 @@ def _crack_in_words(crack):
     return f"crack {crack['crack']} ({crack['width_mm']:.2g} mm) would be there " + ", ".join(said)
 
 
-def describe(numbers):
-    """The answer in a few lines of text."""
+def describe(numbers, language="en"):
+    """The answer in a few lines of text, its sentences in a language."""
     lines = [
         f"{numbers['draws']} draws, effective number by priors of settlement "
         + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())
     ]
-    said = in_words(numbers)
+    said = in_words(numbers, language)
     lines += [f"no answer: {reason}" for reason in said["why"]] or [
         *said["answer"],
         *map(_crack_in_words, numbers["cracks"]),
