@@ -10,12 +10,14 @@ from damage.run.session import check, plan_of
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 
-TOGETHER, ALONE = (4e7, 1.5e8), (8e6, 2.5e7)
+TOGETHER, ALONE = (4e7, 1.5e8), (8e6, 3e7)
 """Contact points times steps that a process takes in a second, of walls that crack much and that
 crack little: of eight walls as stiff as each other that step together, and of walls one by one,
 whose stiffness is drawn."""
 STATIC_S = 1.0
 """What a run takes to come to rest before time zero, about [s]."""
+OVERHEAD = 500
+"""Contact points that what a step takes besides counts for."""
 LIVES = 8
 """Whose motions say how long a draw is."""
 
@@ -31,7 +33,7 @@ class Size:
 
     def minutes(self, draws, jobs):
         """Least and most of so many draws in so many processes [min]."""
-        work = self.contact_points * self.steps * draws / jobs / 60
+        work = (self.contact_points + OVERHEAD) * self.steps * draws / jobs / 60
         return [max(1.0, work / rate) for rate in reversed(ALONE if self.alone else TOGETHER)]
 
     def describe(self, draws, jobs):
