@@ -367,17 +367,17 @@ class YadeSolver(Solver):
             return
         across, shear = self._displacements(broken)
         opening = self.scene.openings(broken)
+        apart = across + self.model.closure[broken]
+        if self._armed:
+            gone = np.array([not self.model.bonds[joint].isReal for joint in broken])
+            opening = np.where(gone, apart, opening)  # `tidy` has deleted these contacts
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
         # A tip that has left its face has its opening from the end of the face.
         slid = np.abs(shear) > ON_FACE
-        gap = (
-            np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening)
-            if slid.any()
-            else None
-        )
+        gap = np.where(slid, np.minimum(opening, apart), opening) if slid.any() else None
         self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
         for joint in broken[self.tracker.ended[broken]]:
             self.model.end(joint)

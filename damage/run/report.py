@@ -87,6 +87,8 @@ def describe(summary):
     """The summary as lines for people, without more digits than a scatter of the strengths by 0.1 %
     leaves certain: of widths two, of drift and forces three, of indices three decimals
     (docs/reference/measures.md)."""
+    # a wall of a house has base shear and energies of all walls
+    whole = "" if summary["max_across_mm"] is None else " of the house"
     lines = [
         f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
         + (f", collapsed at {summary['collapsed_at_s']:.2f} s" if summary["collapsed_at_s"] else "")
@@ -114,8 +116,8 @@ def describe(summary):
         )
     )
     lines.append(
-        f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear up to "
-        f"{rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
+        f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear{whole} up"
+        f" to {rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
         f"{rounded(summary['max_opening_mm'], 2)} mm, offset up to"
         f" {rounded(summary['max_offset_mm'], 2)} mm, accumulated slip up to"
         f" {rounded(summary['max_slip_mm'], 2)} mm"
@@ -125,7 +127,7 @@ def describe(summary):
         f" {summary['shear_breaks']} in shear; Psi up to {rounded(summary['max_psi'], 2)}"
         f" ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), widest crack"
         f" {rounded(summary['max_crack_width_mm'], 2)} mm ({summary['crack_width_class']}),"
-        f" friction and fracture dissipated {rounded(summary['dissipated_energy_j'], 2)} J"
+        f" friction and fracture{whole} dissipated {rounded(summary['dissipated_energy_j'], 2)} J"
     )
     lines += _ground_lines(summary)
     if summary["ended_joints"]:
@@ -135,7 +137,8 @@ def describe(summary):
     lines += _motion_lines(summary)
     if summary["energy_error_fraction"] is not None:
         lines.append(
-            f"energy balance error {100 * summary['energy_error_fraction']:.3f} % of the input"
+            f"energy balance error{whole} {100 * summary['energy_error_fraction']:.3f} % of the"
+            " input"
         )
     if summary["peak_force_n"] is not None:
         lines.append(

@@ -135,7 +135,7 @@ def test_a_wall_and_a_study_of_ones_own(clone):
     points = pd.read_csv(clone / "results" / "my-study" / "tables" / "points.csv")
     assert len(points) == 2 and set(points["wall"]) == {"two-windows"}
     assert f"{points['max_DI'].max():.3f}" in output
-    assert (clone / "my_study.html").stat().st_size > 1_000_000
+    assert "two-windows" in (clone / "my_study.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.long
@@ -181,7 +181,7 @@ def test_a_wall_that_was_tested(clone):
     assert (
         "comp2_2 / pushover_0.1pct_fixed: 2 draws" in output and "beside the test COMP2_2" in output
     )
-    assert "cohesion = 2.3" in output and "normal_stiffness = 1.2e+12 " in output
+    assert "cohesion = 2.4e+05 " in output and "normal_stiffness = 1.2e+12 " in output
     made = damage.load_wall(clone / "walls" / "comp2_2.toml")
     by_rule = after_peak.tested_wall("COMP2_2")
     for one, other in ((made, by_rule), (made.brick, by_rule.brick), (made.joint, by_rule.joint)):
