@@ -55,6 +55,9 @@ MOST_CALLS = 3
 LEAVES_S = 5.0
 """Time within which the processes of a batch that was killed have to end [s]."""
 
+BECOMES_S = 0.05
+"""Time within which a child that becomes another program, as git, has its own command line [s]."""
+
 
 def main():
     """Run the proof; returns the exit status."""
@@ -157,7 +160,9 @@ class Proof:
         wait_s = draw.uniform(0, 0.9 * longest_s)
         while time.monotonic() - began < wait_s and batch.poll() is None:
             time.sleep(0.01)
-        found = victims(batch.pid, self.who)
+        found = set(victims(batch.pid, self.who))
+        time.sleep(BECOMES_S)
+        found = sorted(found & set(victims(batch.pid, self.who)))
         if not found:
             batch.wait()
             subprocess.run(["rm", "-rf", self.out / name], check=True)

@@ -26,7 +26,7 @@ UNKNOWN = "unknown"
 @cache
 def commit():
     """The commit that the package is in, "changed" behind it where tracked files differ; "unknown"
-    outside git."""
+    outside git, or where git does not answer."""
 
     def git(*words):
         return subprocess.run(

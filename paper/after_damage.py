@@ -13,7 +13,13 @@ import pandas as pd
 from matplotlib.lines import Line2D
 
 from damage.applications.studies.fragility import REPLICATES, curve, exceeding, fragility
-from damage.applications.studies.fragility_picture import STYLES, few_note, records_named
+from damage.applications.studies.fragility_picture import (
+    STYLES,
+    draw_shares,
+    few_note,
+    fit_handles,
+    records_named,
+)
 from damage.applications.studies.read import read_table
 from damage.applications.studies.states import (
     INTENSITIES,
@@ -177,18 +183,7 @@ def picture_after_damage(wall, shocks, table, intensity, states=PSI):
     )
     return finish(
         figure,
-        [
-            Line2D([], [], color="0.3", label="lognormal fit"),
-            Line2D(
-                [],
-                [],
-                color="0.3",
-                marker="o",
-                ls="",
-                ms=3,
-                label="share of the shocks at one intensity",
-            ),
-        ],
+        fit_handles("lognormal fit", "shocks"),
         columns=2,
     )
 
@@ -197,8 +192,7 @@ def _draw_after(ax, x, shocks, row, style, intensity):
     """Shares and curve of one class of the damage before; returns the legend's entry."""
     colour, marker, line = style
     mine, median = shocks[shocks["before"] == row["before"]], row[in_unit("median", intensity)]
-    shares = exceeding(mine, row["measure"], row["level"]).groupby(mine[intensity].round(6)).mean()
-    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
+    draw_shares(ax, exceeding(mine, row["measure"], row["level"]), mine[intensity].round(6), style)
     text = f"{row['before']}: no curve, {row['exceeding']} of {row['runs']} shocks exceed it"
     if np.isfinite(median):
         ax.plot(x, curve(x, median, row["dispersion"]), color=colour, ls=line)

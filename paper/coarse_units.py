@@ -80,14 +80,14 @@ def show(name):
             layout.n_joints,
             f"{1e3 * natural_modes(layout, 1).period_s[0]:.1f}",
             f"{stiffness(layout) / 1e6:.2f}",
-            f"{summarise(history)['residual']['total']:.3f}",
+            f"{summarise(history)['residual']['DI']:.3f}",
             cracks_of(cracks[cracks["time_s"] <= 0].iloc[-1]),
             cracks_of(cracks.iloc[-1]),
             f"{took:.0f}",
         )
 
 
-if __name__ == "__main__":
+def main():
     asked = arguments(__doc__, option("walls", nargs="*", default=WALLS, metavar="WALL"))
     print_table(
         "wall",

@@ -32,7 +32,7 @@ from damage.motion.plausible import RANGES as MOTION_RANGES
 from damage.wall.plausible import RANGES as WALL_RANGES
 from paper import report
 from paper.verdict import judge
-from scripts import gallery, terms
+from scripts import gallery
 from scripts.document_tables import as_markdown, with_tables
 
 VERDICT = "docs/paper/verdict.md"
@@ -116,7 +116,6 @@ def tables_of_code():
         "the range of validity": validity_table(),
         "studies that ship": table_of_studies(ROOT / "studies"),
         "gallery": gallery.markdown(),
-        "replaced terms": terms.glossary_table().rstrip(),
     }
 
 

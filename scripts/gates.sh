@@ -8,7 +8,7 @@
 #     shell       shellcheck
 #     imports     folder order is import order
 #     doctests    the examples in docstrings
-#     terms       no replaced term in code and documents; the glossary lists all of them
+#     terms       no replaced term in code and documents
 #     documents   generated parts of documents are what the tables and the code make of them
 #
 # The exit status is 1 when a gate is shut, and 3 when something that they need is missing.

@@ -1,11 +1,8 @@
-"""The gate of terms: no replaced term that has no other meaning, and a glossary that lists all of
-them.
+"""The gate of terms: no replaced term that has no other meaning.
 
-    python3 scripts/terms.py [--renew] [ROOT]  # ROOT: by default the repository; --renew: write the
-                                               # glossary's table
+    python3 scripts/terms.py [ROOT]  # ROOT: by default the repository
 
-Prints a line for each place, and for a glossary that is not current; the exit status is 1 if there
-is one.
+Prints a line for each place; the exit status is 1 if there is one.
 """
 
 import os
@@ -16,8 +13,7 @@ from typing import NamedTuple
 
 
 class Term(NamedTuple):
-    """A replaced term: as the glossary shows it, the terms that replace it, and where it is
-    rejected.
+    """A replaced term, the terms that replace it, and where it is rejected.
 
     pattern: a regular expression, None where the word has another meaning, too; it is searched in
     lower case, and matches whole words, between underscores as well.
@@ -49,16 +45,9 @@ REPLACED = (
     Term("in lockstep", "together", r"in lockstep"),
     Term("goes on from here", "continues from here", r"go(es)? on from here"),
 )
-"""All replaced terms, in the order of the glossary."""
+"""All replaced terms."""
 
-GLOSSARY = "docs/reference/glossary.md"
-_TABLE = re.compile(r"^\| replaced \| by \|\n(\|.*(\n|\Z))+", re.MULTILINE)
-
-EXEMPT = (
-    "CHANGELOG.md",
-    "scripts/terms.py",
-    GLOSSARY,  # these name the replaced terms
-)
+EXEMPT = "CHANGELOG.md", "scripts/terms.py"  # which name the replaced terms
 """Files and folders that are not searched."""
 
 _ENDINGS = (".py", ".md", ".sh", ".toml", ".js", ".html", ".css", ".smk", ".yml", ".yaml")
@@ -71,13 +60,6 @@ _WORDS = re.compile(
         if term.pattern
     )
 )
-
-
-def glossary_table():
-    """The glossary's table of replaced terms, Markdown."""
-    return "| replaced | by |\n| --- | --- |\n" + "".join(
-        f"| {term.old} | {term.new} |\n" for term in REPLACED
-    )
 
 
 def files_below(root):
@@ -119,29 +101,10 @@ def places(root):
             )
 
 
-def glossary_faults(root, renew):
-    """A line where the glossary's table is not that of REPLACED; renew: write it."""
-    text = (root / GLOSSARY).read_text(encoding="utf-8")
-    made = _TABLE.sub(lambda _: glossary_table(), text)
-    if _TABLE.search(text) is None:
-        yield (
-            f"{GLOSSARY}: no table that begins with '| replaced | by |'; expected the replaced"
-            " terms"
-        )
-    elif made != text and renew:
-        (root / GLOSSARY).write_text(made, encoding="utf-8")
-    elif made != text:
-        yield (
-            f"{GLOSSARY}: its replaced terms are not those of scripts/terms.py; python3"
-            " scripts/terms.py --renew"
-        )
-
-
 def main(arguments):
-    """Search ROOT; returns 1 if a replaced term is found or the glossary is not current."""
-    renew = arguments[:1] == ["--renew"]
-    root = Path(*arguments[renew:][:1] or [Path(__file__).resolve().parents[1]])
-    faults = [*places(root), *glossary_faults(root, renew)]
+    """Search ROOT; returns 1 if a replaced term is found."""
+    root = Path(*arguments[:1] or [Path(__file__).resolve().parents[1]])
+    faults = [*places(root)]
     print(*faults, sep="\n", end="\n" if faults else "")
     return 1 if faults else 0
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from damage.history.reader import read_history
-from damage.history.schema import GROUND
+from damage.history.schema import GROUND, HOUSE
 from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN, ENDED
 from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
@@ -48,6 +48,7 @@ def make_history(
     overwrite=False,
     write=HistoryWriter,
     model=None,
+    house=None,
 ):
     """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory,
     keep it.
@@ -58,6 +59,9 @@ def make_history(
     that opens or
     slips is broken from the moment it does; ended: {joint: sample from which on it has ended};
     snapshots: {time_s: (n_bodies, 3) [m, m, rad]}, None for one at rest with every fifth sample;
+    of a house (n_bodies, 6) with the motion out of plane [m, rad, rad];
+    house: {"top_displacement_m", "across_m" or "top_across_m": (n_walls,)} of every sample, all
+    others zero;
     row: {column of the series: (n_times,) or one number} over what is put in by itself;
     status: "unfinished" for a run that was killed; model: {option: value} other than the usual.
     """
@@ -83,10 +87,17 @@ def make_history(
             "loading": LOADINGS[loading],
             "wall": layout.wall.as_dict(),
             "model": model or {},
-        },
+        }
+        | ({"house": layout.space.as_dict()} if layout.space else {}),
     )
     frames = {"opening_m": opened, "slip_m": slipped, "offset_m": away, "state": state}
     ground = {f"ground/{name}": np.zeros((1, len(layout.supports), 3)) for name in GROUND}
+    if layout.space:
+        n_walls = len(layout.space.left)
+        rows = {name: np.zeros(n_walls) for name in HOUSE} | (house or {})
+        rows["base_acceleration_m_s2"] = 0.0
+        ground |= {f"house/{name}": np.array([values]) for name, values in rows.items()}
+    n_moves = 6 if layout.space else 3
     for k, stage in enumerate(stages):
         row, contacts = (
             {name: values[k : k + 1] for name, values in group.items()}
@@ -94,10 +105,11 @@ def make_history(
         )
         writer.extend(stage, row, slice(None), contacts, ground)
     if snapshots is None:
-        snapshots = {time: np.zeros((len(layout.bodies), 3)) for time in time_s[::5]}
+        snapshots = {time: np.zeros((len(layout.bodies), n_moves)) for time in time_s[::5]}
     for time, displacement in snapshots.items():
-        stress = () if layout.strain is None else (np.zeros((len(layout.bodies), 5, 3)),)
-        writer.snapshot(time, displacement, *stress)
+        more = () if layout.strain is None else (np.zeros((len(layout.bodies), 5, 3)),)
+        more = (displacement[:, 3:],) if layout.space else more
+        writer.snapshot(time, displacement[:, :3], *more)
     writer.finish(status, collapsed_at_s)
     return read_history(path) if write is HistoryWriter else writer.history()
 

@@ -70,8 +70,7 @@ _KINDS = "tension", "shear", "opened", "slipped"
 def tables_of(solver):
     """Everything that the next steps of a YadeSolver depend on, {name: array}."""
     model, work = solver.model, solver.model.work
-    watched = list(work._watched.items())
-    near = {id(one) for one in work._near}
+    watched, watching = work.tables()
     return {
         "scene": _saved_scene(),
         "loads": _loads(),
@@ -91,16 +90,8 @@ def tables_of(solver):
         "bonds": _pairs((bond.id1, bond.id2) for bond in model.bonds),
         "removed": _removed(solver),
         "slid": np.array(work._law.plasticDissipation()),
-        "watched": _pairs(key for key, _ in watched),
-        "watching": (
-            np.array(
-                [
-                    (*one.before, one.closed, one.half_compliance, id(one) in near)
-                    for _, one in watched
-                ],
-                float,
-            ).reshape(-1, 6)
-        ),
+        "watched": watched,
+        "watching": watching,
         "events": (
             np.array(
                 [

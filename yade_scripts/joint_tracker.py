@@ -17,6 +17,7 @@ import numpy as np
 from damage.errors import InputError
 from damage.law.joint_law import friction_left, material_of
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
+from damage.wall.kinds import TINY
 from damage.wall.kinematics import CORNER_RADIUS, slide_limits
 
 FOLLOWED = {
@@ -82,9 +83,12 @@ class JointTracker:
         self._slide = np.array(
             slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies)
         )[:, :n]
-        if layout.space:  # joints between two walls have no end
-            between = layout.space.joint_wall[:n] < 0
-            self._slide[:, between] = np.array([[-np.inf], [np.inf]])
+        if layout.space:  # joints between two walls, and on a slab, have no end
+            slab = layout.space.depth > layout.wall.brick.thickness + TINY
+            endless = layout.space.joint_wall[:n] < 0
+            for end in (contacts.first[:n], contacts.second[:n]):
+                endless |= (end >= 0) & slab[end]
+            self._slide[:, endless] = np.array([[-np.inf], [np.inf]])
         self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
         sides = np.column_stack([contacts.first, contacts.second])[:n]
         _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)

@@ -360,14 +360,23 @@ def _ball(place, radius, material):
     return ball
 
 
+def _box_of(layout, body):
+    """Centre (x, y, z) and size of a body, as unfolded (3,) [m]."""
+    bodies, space = layout.bodies, layout.space
+    y, depth = 0.0, layout.wall.brick.thickness
+    if space:
+        y, depth = float(space.offset[body]), space.depth[body]
+    centre = float(bodies.x[body]), y, float(bodies.z[body])
+    return centre, np.array([bodies.length[body], depth, bodies.height[body]])
+
+
 def _corner_places(layout, body, inset):
     """Of the spheres in the corners of a body (x, y, z) [m], in the middle of the thickness in a
     plane wall."""
-    bodies = layout.bodies
-    half = bodies.length[body] / 2 - inset, bodies.height[body] / 2 - inset
-    across = layout.wall.brick.thickness / 2 - inset
+    (x, y, z), size = _box_of(layout, body)
+    half = size / 2 - inset
     return [
-        (bodies.x[body] + right * half[0], through * across, bodies.z[body] + up * half[1])
+        (x + right * half[0], y + through * half[1], z + up * half[2])
         for right in (-1, 1)
         for up in (-1, 1)
         for through in ((-1, 1) if layout.space else (0,))
@@ -425,7 +434,8 @@ def build(layout, dt, corner_depth=0.0):
     for index, bond in enumerate(bonds):
         _set_bond(bond.phys, layout, index)
     bonding.cohesiveTresholdIteration = 0
-    return YadeWall(layout, parts, bonds, newton, law, FrictionWork(friction), corner_depth)
+    work = FrictionWork(friction, layout.n_joints)
+    return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 
 def _set_bond(phys, layout, index):
@@ -559,9 +569,8 @@ class _Parts:
         return box
 
     def _add_brick(self, body):
-        bodies, thickness = self.layout.bodies, self.layout.wall.brick.thickness
-        centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
-        half = float(bodies.length[body]) / 2, thickness / 2, float(bodies.height[body]) / 2
+        bodies, (centre, size) = self.layout.bodies, _box_of(self.layout, body)
+        half = size / 2
         color = _brick_color(self.layout, body)
         kinds = [
             "box",
@@ -631,8 +640,12 @@ class _Parts:
         left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
         across, y = brick.thickness / 2, 0.0
         if self.layout.space:
+            places, beyond = self.layout.space.place[:, :2], _GROUND
+            if len(all_of) > 1:  # below one brick, or where a corner took it away
+                own = places[self.layout.contacts.first == GROUND - support]
+                places, beyond = (own, _REACH) if len(own) else (places[:1], 0.0)
             (left, front), (right, back) = (
-                pick(self.layout.space.place[:, :2], axis=0) + sign * _GROUND
+                pick(places, axis=0) + sign * (beyond + TIP)
                 for pick, sign in ((np.min, -1), (np.max, 1))
             )
             across, y = (back - front) / 2, (front + back) / 2
@@ -683,11 +696,10 @@ def _tips(layout, places, normals):
 def _margin(layout, body, place, normal):
     """Distance of a contact point from the nearest end of a body's face, (x, y, z) in its wall [m];
     in a plane wall y does not matter."""
-    bodies = layout.bodies
     if body < 0:
         return _GROUND
-    half = bodies.length[body] / 2, layout.wall.brick.thickness / 2, bodies.height[body] / 2
-    centre = bodies.x[body], 0.0, bodies.z[body]
+    centre, size = _box_of(layout, body)
+    half = size / 2
     return min(
         half[k] - abs(place[k] - centre[k])
         for k in ((0, 1, 2) if layout.space else (0, 2))

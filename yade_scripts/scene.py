@@ -4,7 +4,7 @@ Positions and forces are of one time, velocities half a step earlier.
 """
 
 import numpy as np
-from yade import O
+from yade import O, Vector3
 
 from damage.elementary import atan
 from damage.units import GRAVITY
@@ -36,7 +36,13 @@ class SceneReader:
         # forces of the bearing and the constant load [N, N, N m]
         self.on_top = np.zeros_like(self.mass)
         self.start = np.column_stack([bodies.x, bodies.z])
+        self.push_axis = Vector3(1, 0, 0)  # direction of a spreader beam, and of the ground's tilts
+        self.ground_at = model.layout.supports.x  # along that
         self.first_orientation = np.array([tuple(state.ori) for state in self.model.turning])
+
+    def pushed(self, bodies):
+        """Displacement of these bodies along a spreader beam (m,) [m]."""
+        return self.motion(bodies)[bodies, 0]
 
     def newly_broken(self):
         """Joints whose bond failed since the last call, (m,) int, or () without any."""
@@ -152,6 +158,10 @@ class SceneReader:
             return -self.model.frayed[index].geom.penetrationDepth
         rest = self.physics[index].initD if self.model.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
+
+    def openings(self, select):
+        """`opening_of` contact points that failed, (m,) [m]."""
+        return np.array([self.opening_of(index) for index in select])
 
     def shear_stresses(self, select):
         """Shear stresses of the contact points `select` (indices), of their dry parts where there

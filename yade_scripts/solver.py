@@ -130,16 +130,16 @@ class YadeSolver(Solver):
     def spread(self, shares):
         self._held = np.flatnonzero(shares)
         self._shares = shares[self._held]
-        self._place = float(self._shares @ self.scene.motion(self._held)[self._held, 0])
+        self._place = float(self._shares @ self.scene.pushed(self._held))
 
     def _spread(self):
         """Add the force of the spreader beam to those of the next step, after which the mean
         displacement of its bodies by their shares is that of the machine; damped by YADE's rule."""
-        dt, held, shares = self.time_step, self._held, self._shares
-        mass, place = self.layout.bodies.mass[held], self.scene.motion(held)[held, 0]
-        speed = np.array([self.scene.states[body].vel[0] for body in held])
+        dt, held, shares, scene = self.time_step, self._held, self._shares, self.scene
+        mass, place, axis = self.layout.bodies.mass[held], scene.pushed(held), scene.push_axis
+        speed = np.array([scene.states[body].vel.dot(axis) for body in held])
         own = np.array(
-            [sum(O.forces.f(cell, True)[0] for cell in self.scene.members[body]) for body in held]
+            [sum(O.forces.f(cell, True).dot(axis) for cell in scene.members[body]) for body in held]
         )
         force = self._push_force()
         change = (self._place - shares @ place) / dt - shares @ speed
@@ -150,7 +150,7 @@ class YadeSolver(Solver):
         self._place += dt * self._velocity
         self.scene.on_top[held, 0] = shares * force
         for body, share in zip(held, shares):
-            O.forces.addF(self.model.clumps[body], Vector3(share * force, 0, 0))
+            O.forces.addF(self.model.clumps[body], float(share * force) * axis)
 
     def _held_rotations(self):
         """Rotations of the held bodies [rad]."""
@@ -219,13 +219,14 @@ class YadeSolver(Solver):
     def _set_support_velocities(self):
         """Set the velocities of all bodies of the supports to those of the supports' rigid
         motion."""
+        axis, upright = self.scene.push_axis, Vector3(0, 0, 1)
         for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(
-            self.model.ground, self.layout.supports.x, self._supports, self._support_velocity
+            self.model.ground, self.scene.ground_at, self._supports, self._support_velocity
         ):
             for state in (O.bodies[body].state for body in bodies):
-                along, up = state.pos[0] - x - ux, state.pos[2] - uz
-                state.vel = Vector3(vx - rotating * up, 0, vz + rotating * along)
-                state.angVel = Vector3(0, -rotating, 0)
+                along, up = state.pos.dot(axis) - x - ux, state.pos[2] - uz
+                state.vel = (vx - rotating * up) * axis + (vz + rotating * along) * upright
+                state.angVel = rotating * axis.cross(upright)
 
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
         self._sample_steps, self._on_samples = sample_steps, on_samples
@@ -326,7 +327,7 @@ class YadeSolver(Solver):
         """Opening and shear displacement of contact points, by the motion of their bodies (m,)
         [m]."""
         if self.layout.space:
-            return self.scene.displacements(joints)
+            return self.scene.displacements(joints, self._supports)
         sides = np.concatenate([side[joints] for side in self.kinematics.ends])
         motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
         return self.kinematics.displacements(motion, joints, self._supports)
@@ -365,18 +366,18 @@ class YadeSolver(Solver):
         if len(broken) == 0:
             return
         across, shear = self._displacements(broken)
-        opening = np.array([self.scene.opening_of(i) for i in broken])
+        opening = self.scene.openings(broken)
+        apart = across + self.model.closure[broken]
+        if self._armed:
+            gone = np.array([not self.model.bonds[joint].isReal for joint in broken])
+            opening = np.where(gone, apart, opening)  # `tidy` has deleted these contacts
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()
         tau = self.scene.shear_stresses(broken)
         # A tip that has left its face has its opening from the end of the face.
         slid = np.abs(shear) > ON_FACE
-        gap = (
-            np.where(slid, np.minimum(opening, across + self.model.closure[broken]), opening)
-            if slid.any()
-            else None
-        )
+        gap = np.where(slid, np.minimum(opening, apart), opening) if slid.any() else None
         self._log_passings(self.tracker.sample(broken, opening, shear, tau, gap))
         for joint in broken[self.tracker.ended[broken]]:
             self.model.end(joint)

@@ -1,11 +1,14 @@
 """Arrays from the scene of a house, whose bodies move in space."""
 
+from itertools import starmap
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 from yade import O, Vector3
 
 from damage.units import GRAVITY
 from damage.wall.kinds import rows
+from yade_scripts.memory import BodyNumbers, ContactNumbers
 from yade_scripts.scene import SceneReader
 
 
@@ -21,71 +24,91 @@ class SpaceReader(SceneReader):
         self.start, self._of_body = space.centres(bodies), space.of_body
         self._first = Rotation.from_quat(self.first_orientation).inv()
         self._ends = [rows(end, len(bodies)) for end in (contacts.first, contacts.second)]
-        centres = np.vstack([self.start, np.zeros(3)])  # the ground last
-        self._arms = [space.place - centres[end] for end in self._ends]
         turn = np.radians(space.house.heading)
         self._heading = np.round([np.cos(turn), np.sin(turn)], 15)
+        self.push_axis = Vector3(*self._heading, 0)
+        self.ground_at = (space.ground_left + space.ground_right) / 2
+        centres = np.vstack([self.start, self._of_ground(self.ground_at, 0 * self.ground_at)])
+        # the numbers of points last, which numpy takes at once
+        self._arms = [(space.place - centres[end]).T for end in self._ends]
+        self._axes = np.ascontiguousarray(space.axes.transpose(1, 2, 0))
+        self._bodies = BodyNumbers(model.turning)
         # about the axes of a body: along, across and upwards
         self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
+        # of dry joints, which stay in their rows
+        self._numbers, self._read = ContactNumbers(len(contacts)), np.zeros(len(contacts), bool)
 
     def turned_by_heading(self, along, up, across):
         """Along x, z and y of the house what is along its heading, upwards and across."""
         cos, sin = self._heading
         return cos * along - sin * across, up, sin * along + cos * across
 
+    def _of_ground(self, along, up):
+        """Places of the ground (n, 3) [m] at these along the heading and upwards (n,) [m]."""
+        return np.column_stack([np.outer(along, self._heading), up])
+
     def support_forces(self, displacement):
         """As of SceneReader: along the heading and upwards, and the moment from the one towards the
-        other about the origin of the plan."""
-        cos, sin = self._heading
-        force, moment = Vector3.Zero, Vector3.Zero
-        for member in self.model.ground[0]:
-            on_it = O.forces.f(member, True)
-            force += on_it
-            moment += O.bodies[member].state.pos.cross(on_it) + O.forces.t(member, True)
-        return np.array(
-            [[cos * force[0] + sin * force[1], force[2], sin * moment[0] - cos * moment[1]]]
-        )
+        other."""
+        along, up, _ = np.transpose(displacement)
+        axis, found = self.push_axis, []
+        about = axis.cross(Vector3(0, 0, 1))
+        places = starmap(Vector3, self._of_ground(self.ground_at + along, up).tolist())
+        for members, at in zip(self.model.ground, places):
+            force, moment = Vector3.Zero, Vector3.Zero
+            for member in members:
+                on_it = O.forces.f(member, True)
+                force += on_it
+                moment += (O.bodies[member].state.pos - at).cross(on_it) + O.forces.t(member, True)
+            found.append([force.dot(axis), force[2], moment.dot(about)])
+        return np.array(found)
 
-    def _turned(self):
-        """Rotations of all bodies since the wall was built."""
-        return Rotation.from_quat([tuple(one.ori) for one in self.model.turning]) * self._first
+    def _now(self):
+        """Centres (n_bodies, 3) [m] and rotations of all bodies since the wall was built."""
+        places = self._bodies.places()
+        return places[:, :3], Rotation.from_quat(places[:, 3:]) * self._first
 
     def motion(self, select=None):
         """Coordinates of all bodies since the wall was built, (n_bodies, 6) [m, m, rad, m, rad,
         rad]."""
-        moved = np.array([tuple(state.pos) for state in self.states]) - self.start
-        moved = np.einsum("nij,nj->ni", self._of_body, moved)
-        turned = np.einsum("nij,nj->ni", self._of_body, self._turned().as_rotvec())
+        place, turned = self._now()
+        moved = np.einsum("nij,nj->ni", self._of_body, place - self.start)
+        turned = np.einsum("nij,nj->ni", self._of_body, turned.as_rotvec())
         return np.column_stack(
             [moved[:, 0], moved[:, 2], -turned[:, 1], moved[:, 1], turned[:, 0], turned[:, 2]]
         )
 
-    def displacements(self, joints):
+    def pushed(self, bodies):
+        return ((self._now()[0] - self.start) @ [*self._heading, 0.0])[bodies]
+
+    def displacements(self, joints, supports):
         """Opening and (complex) shear displacement of contact points (m,) [m], along the axes of
-        the joint turned by the mean rotation of its bodies."""
-        place = np.vstack([[tuple(state.pos) for state in self.states], np.zeros(3)])
-        turned = np.concatenate([self._turned().as_matrix(), np.eye(3)[np.newaxis]])
-        ends = [end[joints] for end in self._ends]
-        first, second = (
-            place[end] + np.einsum("nij,nj->ni", turned[end], arms[joints])
-            for end, arms in zip(ends, self._arms)
+        the joint turned by the mean rotation of its bodies; supports: (n_supports, 3) as of
+        `damage.wall.kinematics.ContactKinematics.displacements`."""
+        place, turned = self._now()
+        along, up, angle = supports.T
+        place = np.vstack([place, self._of_ground(self.ground_at + along, up)]).T
+        sin, cos = self._heading[::-1]
+        tilted = Rotation.from_rotvec(np.outer(angle, [sin, -cos, 0.0]))
+        turned = np.concatenate([turned.as_matrix(), tilted.as_matrix()]).transpose(1, 2, 0)
+        (first, one), (second, other) = (
+            (place[:, end] + _product(turned[:, :, end], arms[:, joints]), turned[:, :, end])
+            for end, arms in ((end[joints], arms) for end, arms in zip(self._ends, self._arms))
         )
-        axes = np.einsum(
-            "nij,nkj->nki", (turned[ends[0]] + turned[ends[1]]) / 2, self._axes[joints]
-        )
-        across, along, through = np.einsum("nki,ni->kn", axes, second - first)
+        apart = _product((one + other).transpose(1, 0, 2) / 2, second - first)
+        across, along, through = _product(self._axes[:, :, joints], apart)
         return across, along + 1j * through
 
-    @property
-    def _axes(self):
-        return self.model.layout.space.axes
+    def openings(self, select):
+        for joint in select[~self._read[select]]:
+            self._numbers.put(joint, self.geometries[joint], self.physics[joint])
+        self._read[select] = True
+        return -self._numbers.depths(select)
 
     def shear_stresses(self, select):
-        """As of SceneReader, complex."""
-        force = np.array([tuple(self.physics[joint].shearForce) for joint in select])
-        sign = np.array([-self.model.signs[joint] for joint in select])
-        _, along, through = np.einsum("nki,ni->kn", self._axes[select], force)
-        return sign * (along + 1j * through) / self.area[select]
+        """As of SceneReader, complex, of contact points whose `openings` were asked for."""
+        _, along, through = _product(self._axes[:, :, select], self._numbers.forces(select))
+        return -self.model.signs[select] * (along + 1j * through) / self.area[select]
 
     def force_of(self, joint):
         """As of SceneReader; the shear force is a size."""
@@ -107,6 +130,7 @@ class SpaceReader(SceneReader):
                 moment += (O.bodies[member].state.pos - state.pos).cross(on_it)
                 moment += O.forces.t(member, True)
             row[:] = (*force, *moment)
+        found[:, :2] += self.on_top[:, :1] * self._heading
         return found
 
     def plane_resultants(self):
@@ -121,7 +145,7 @@ class SpaceReader(SceneReader):
         speed = np.array([tuple(state.vel) for state in self.states])
         speed = speed + half_step * (loads[:, :3] / mass + [-ax, -ay, -GRAVITY - az])
         spin = np.array([tuple(state.angMom) for state in self.states]) + half_step * loads[:, 3:]
-        turned = self._turned().as_matrix() @ self._of_body.transpose(0, 2, 1)
+        turned = self._now()[1].as_matrix() @ self._of_body.transpose(0, 2, 1)
         spin = np.einsum("nji,nj->ni", turned, spin)
         return 0.5 * float(np.sum(mass * speed**2) + np.sum(spin**2 / self._inertia))
 
@@ -138,3 +162,8 @@ class SpaceReader(SceneReader):
         ):
             state.vel, state.angVel = Vector3(*(vel @ axes)), Vector3(*(spin @ axes))
             state.angMom = Vector3(*((spin * inertia) @ axes))
+
+
+def _product(matrices, vectors):
+    """Of (3, 3, n) and (3, n)."""
+    return (matrices * vectors).sum(axis=1)

@@ -42,26 +42,27 @@ from damage.units import MILLIMETRE
     examples=("run.h5", "run.h5 --threshold-mm 0.05 --slip accumulated --json"),
 )
 def _index(asked):
+    from damage.measure.house import house_summary
     from damage.measure.summary import summarise
-    from damage.run.report import describe, with_added
+    from damage.run.report import describe, describe_house, with_added
 
-    summaries = {}
-    for history in read_history(asked.history).parts:
-        summaries[history.wall] = summary = with_added(
+    history, summaries = read_history(asked.history), {}
+    for part in history.parts:
+        summaries[part.wall] = with_added(
             summarise(
-                history,
+                part,
                 asked.threshold_mm * MILLIMETRE,
                 asked.drift_limit_pct / 100,
                 asked.slip,
                 asked.psi_from_mm * MILLIMETRE,
             ),
-            history,
+            part,
         )
-        warn(*summary["warnings"])
-    if len(summaries) == 1:
-        show(asked, summary, describe)
+    warn(*dict.fromkeys(text for one in summaries.values() for text in one["warnings"]))
+    if history.is_house:
+        show(asked, house_summary(history, summaries), describe_house)
     else:
-        show(asked, summaries, lambda found: "\n\n".join(map(describe, found.values())))
+        show(asked, *summaries.values(), describe)
 
 
 @command(
@@ -95,7 +96,7 @@ def _info(asked):
     examples=("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"),
 )
 def _plot(asked):
-    from damage.draw.run import save_all
+    from damage.draw.house import save_all
 
     print(*save_all(read_history(asked.history), asked.out), sep="\n")
 

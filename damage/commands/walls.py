@@ -23,9 +23,11 @@ from damage.wall import as_built, materials
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
+from damage.wall.house import is_house, read_house
 from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
+from damage.wall.space import lay_out_house
 
 
 @command(
@@ -95,7 +97,7 @@ def _modes(asked):
 
 @command(
     "a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic"
-    " joints, names of piers and spandrels",
+    " joints, names of piers and spandrels; of a house, its plan, too",
     WALL,
     group("model", UNITS, *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
     out(
@@ -103,21 +105,24 @@ def _modes(asked):
         "FILE.png|FILE.svg|FILE.pdf",
         required=False,
     ),
-    examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg"),
+    examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg", "my_house.toml"),
 )
 def _draw(asked):
     from damage.draw.preview import wall_preview
     from damage.draw.style import save_picture
 
-    wall = plausible_wall(asked, asked.wall)
-    layout = lay_out(wall, model_of(asked))
-    supports = tuple(zip(layout.supports.left, layout.supports.right))
-    figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
-    print(
-        save_picture(
-            figure, asked.out or Path(f"{wall.name}.png"), f"wall {shown_path(asked.wall)}"
-        )
-    )
+    if is_house(asked.wall):
+        from damage.draw.house import house_preview
+
+        wall = read_house(asked.wall)
+        figure = house_preview(lay_out_house(wall, model_of(asked)))
+    else:
+        wall = plausible_wall(asked, asked.wall)
+        layout = lay_out(wall, model_of(asked))
+        supports = tuple(zip(layout.supports.left, layout.supports.right))
+        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
+    made = f"wall {shown_path(asked.wall)}"
+    print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), made))
 
 
 def plausible_wall(asked, path):

@@ -12,7 +12,7 @@ from damage.wall.geometry import body_corners, body_table, kinds_of_bodies, trib
 TONNE = KILO = 1e3
 GROUND_DEPTH = 0.06  # of the wall's height, drawn
 HIGHEST_NAME = 6  # most courses above an opening over which the name of its spandrel is centred
-_PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
 NARROW = 0.14  # of the wall's length, below which the size of an opening is written upwards
 _LABELS = 0.45  # [inch] that ticks and labels take beside and below
 
@@ -25,7 +25,21 @@ def wall_preview(plan, bodies, joints, supports=()):
     (`damage.wall.geometry`); supports: (left, right) [m] of the parts of the base that carry by
     themselves, none for one below all.
     """
-    wall, (figure, ax) = plan.wall, style.new_figure(1.0)
+    figure, ax = style.new_figure(1.0)
+    handles, ratio = draw_preview(ax, plan, bodies, joints, supports)
+    figure.set_size_inches(
+        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3
+    )
+    figure.suptitle(title_of(plan.wall, bodies, joints), x=0.02, ha="left")
+    style.legend_below(figure, handles, columns=3)
+    style.settle_layout(figure)
+    return figure
+
+
+def draw_preview(ax, plan, bodies, joints, supports=()):
+    """Draw a wall as of `wall_preview` into axes, in true scale; returns handles of a legend, and
+    the height over the width of the axes."""
+    wall = plan.wall
     corners, kinds = (
         body_corners(bodies, np.zeros((len(bodies), 3))),
         kinds_of_bodies(bodies["course"]),
@@ -69,14 +83,7 @@ def wall_preview(plan, bodies, joints, supports=()):
         xlabel="x [m]",
         ylabel="z [m]",
     )
-    ratio = (highest + 1.5 * margin + depth) / (wall.length + 2 * margin)
-    figure.set_size_inches(
-        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3
-    )
-    figure.suptitle(title_of(wall, bodies, joints), x=0.02, ha="left")
-    style.legend_below(figure, handles, columns=3)
-    style.settle_layout(figure)
-    return figure
+    return handles, (highest + 1.5 * margin + depth) / (wall.length + 2 * margin)
 
 
 def title_of(wall, bodies, joints):
@@ -116,7 +123,7 @@ def _draw_floors(ax, plan):
             fontsize=5.5,
             ha="center",
             va="bottom",
-            bbox=_PAPER,
+            bbox=PAPER,
         )
     timber = len(plan.floors) > len(plan.slabs)
     return [style.line_handle(style.VERMILLION, "timber floors", 1.6)] if timber else []
@@ -137,7 +144,7 @@ def _size_openings(ax, plan):
             ha="center",
             va="center",
             rotation=90 * upright,
-            bbox=_PAPER,
+            bbox=PAPER,
         )
 
 
@@ -151,7 +158,7 @@ def _name_parts(ax, plan):
         "ha": "center",
         "va": "center",
         "fontweight": "bold",
-        "bbox": _PAPER,
+        "bbox": PAPER,
     }
     piers = [(course, run) for course in _pier_courses(plan) for run in plan.runs[course]]
     for number, (course, (left, right)) in enumerate(piers, start=1):

@@ -87,6 +87,11 @@ def line_handle(colour, label, width=0.9, line="-"):
     return Line2D([], [], color=colour, lw=width, ls=line, label=label)
 
 
+def mark_handle(mark, label):
+    """A mark of a legend."""
+    return Line2D([], [], color=VERMILLION, marker=mark, ls="", ms=4, label=label)
+
+
 def area_handle(face, label, edge=DARK):
     """An area of a legend."""
     return Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
@@ -136,7 +141,8 @@ def add_title(figure, history, *more):
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
         lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
-    put_title(figure, [*lines, *more], TITLE_CHARACTERS, 0.02)
+    wide = figure.get_size_inches()[0] / COLUMN_WIDTH
+    put_title(figure, [*lines, *more], round(TITLE_CHARACTERS * wide), 0.02)
 
 
 def put_title(figure, lines, characters, x):

@@ -176,11 +176,15 @@ def magnification(bodies, motion):
     rest = geometry.body_corners(bodies, np.zeros_like(motion))
     moved = geometry.body_corners(bodies, motion) - rest
     largest = float(np.max(np.hypot(moved[..., 0], moved[..., 1])))
+    return visible(largest, float(rest[bodies["course"].to_numpy() >= 0, :, 1].max()))
+
+
+def visible(largest, height, share=VISIBLE_SHARE):
+    """Factor that makes a largest displacement [m] about this share of a height [m], as of
+    `magnification`."""
     if largest == 0:
         return 1.0
-    height = float(rest[bodies["course"].to_numpy() >= 0, :, 1].max())
-    wanted = VISIBLE_SHARE * height / largest
-    return round_125(min(max(wanted, 1.0), LARGEST_MAGNIFICATION))
+    return round_125(min(max(share * height / largest, 1.0), LARGEST_MAGNIFICATION))
 
 
 def round_125(value):

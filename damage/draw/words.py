@@ -87,7 +87,8 @@ def run_title(history):
         motion = settlement_words(settlement) + (
             "" if motion == "no motion" else f", then {motion}"
         )
-    return f"{wall_words(history.wall)}, {motion}"
+    words = house_words if history.is_house else wall_words
+    return f"{words(history.wall)}, {motion}"
 
 
 def settlement_words(settlement):
@@ -110,9 +111,22 @@ def wall_words(name):
     >>> wall_words("symmetric"), wall_words("north_wall_2")
     ('Symmetric wall', 'North wall 2')
     """
+    return _with_noun(name, "wall")
+
+
+def house_words(name):
+    """A house's name as the start of a title.
+
+    >>> house_words("box"), house_words("terraced_house")
+    ('Box house', 'Terraced house')
+    """
+    return _with_noun(name, "house")
+
+
+def _with_noun(name, noun):
     words = name.replace("_", " ").strip()
     words = words[:1].upper() + words[1:]
-    return words if "wall" in words.lower().split() else f"{words} wall"
+    return words if noun in words.lower().split() else f"{words} {noun}"
 
 
 def motion_words(loading):

@@ -4,7 +4,7 @@ from math import isnan
 
 from damage.errors import InputError
 from damage.history.head import read_head
-from damage.history.reader import read_history
+from damage.history.reader import file_of, read_history
 from damage.motion.intensity import APPLIED
 from damage.provenance import UNKNOWN, shown_path
 from damage.wall.as_built import caps, describe_cap
@@ -38,7 +38,7 @@ def check(path):
     """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s",
     "says"}."""
     try:
-        history, head = read_history(path), read_head(path)
+        history, head = read_history(path), read_head(file_of(path))
     except InputError as error:
         unknown = dict.fromkeys(("status", "samples", "until_s"))
         return {"file": str(path), "worth": DAMAGED, **unknown, "says": str(error)}
@@ -162,7 +162,9 @@ def describe(about):
 def flat(table, above=""):
     """(name with those of the tables above it, value) of all entries, however deep."""
     for name, value in table.items():
-        if isinstance(value, dict):
+        if above == "house." and name == "walls":
+            yield from flat({one["wall"]["name"]: one for one in value}, "house.walls.")
+        elif isinstance(value, dict):
             yield from flat(value, f"{above}{name}.")
         else:
             yield f"{above}{name}", value

@@ -16,27 +16,34 @@ from damage.errors import InputError
 from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
+from damage.history.slabs import with_slabs_in
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.units import rounded
+from damage.wall.geometry import in_one_layer
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
+from damage.wall.placing import FACES, placing_of
 from damage.wall.plan import plan_of
+from damage.wall.space import SHARES
 
 
 class HouseRows(NamedTuple):
     """What the history of a house has beside that of a plane wall: number of the wall of each body
-    and of each contact point, -1 between two, and place of that from the wall's middle plane [m];
-    of each sample and wall displacement of the top along it, and the largest across it (n_times,
-    n_walls) [m]; acceleration of the ground across the heading (n_times,) [m/s2]; displacement
-    across and rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m,
-    rad, rad]."""
+    and of each contact point, -1 between two, place of that and of each body's centre from the
+    wall's middle plane, size of the bodies across it [m]; of each sample and wall displacement of
+    the top along it, the largest across it, and that of the top across it (n_times, n_walls) [m];
+    acceleration of the ground across the heading (n_times,) [m/s2]; displacement across and
+    rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
 
     body_wall: np.ndarray
     joint_wall: np.ndarray
     joint_y_m: np.ndarray
+    body_y_m: np.ndarray
+    body_depth_m: np.ndarray
     top_displacement_m: np.ndarray
     across_m: np.ndarray
+    top_across_m: np.ndarray
     base_acceleration_m_s2: np.ndarray
     out_of_plane: np.ndarray
 
@@ -46,8 +53,11 @@ class HouseRows(NamedTuple):
             0 * self.body_wall[body],
             0 * self.joint_wall[joint],
             self.joint_y_m[joint],
+            self.body_y_m[body],
+            self.body_depth_m[body],
             self.top_displacement_m[:, [number]],
             self.across_m[:, [number]],
+            self.top_across_m[:, [number]],
             self.base_acceleration_m_s2,
             self.out_of_plane[:, body],
         )
@@ -223,59 +233,126 @@ class History:
 
     @cached_property
     def parts(self):
-        """Histories of the walls of a house, FILE:WALL.h5, each in its plane; of a plane wall this
+        """Histories of the walls of a house, FILE:WALL.h5, each in its plane; of a single wall this
         one."""
-        if self.house is None:
-            return [self]
-        return [self.of_wall(one["wall"]["name"]) for one in self.parameters["house"]["walls"]]
+        return [self.of_wall(name) for name in self.placing.names] if self.is_house else [self]
+
+    @property
+    def is_house(self):
+        """Whether it is of all walls of a house."""
+        return self.house is not None and "outside" not in self.parameters["house"]["walls"][0]
 
     def of_wall(self, name):
         """The History of a wall of a house, in its plane and without the joints to other walls;
-        energies and forces of supports are those of the house."""
+        energies and forces of supports are those of the house.  Of a wall: that of one of FACES
+        (`of_face`)."""
         walls = self.parameters["house"]["walls"] if self.house else []
-        names = [one["wall"]["name"] for one in walls]
+        names = [one["wall"]["name"] for one in walls] if self.is_house else FACES[: 2 * len(walls)]
         if name not in names:
             raise InputError(
-                f"{self.path} has no wall {name}: expected"
+                f"{self.path} has no wall or face {name}: expected"
                 f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
                 " correct it"
             )
-        number, house = names.index(name), self.house
+        if not self.is_house:
+            return self.of_face(name)
+        return with_slabs_in(self, names.index(name))._of_wall(name, names.index(name))
+
+    def _of_wall(self, name, number):
+        walls, house = self.parameters["house"]["walls"], self.house
         wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
+        outside = int(self.placing.sign_of("outside")[number])
         body, joint = house.body_wall == number, house.joint_wall == number
-        new_body, new_joint = (np.cumsum(kept) - 1 for kept in (body, joint))
-        joints, events = self.joints[joint].reset_index(drop=True), self.events
-        joints["x_m"] -= left
+        new_body = np.cumsum(body) - 1
+        part = self._with_joints(joint)
+        joints = part.joints.assign(x_m=part.joints["x_m"] - left)
         for end in ("first_body", "second_body"):
             joints[end] = np.where(joints[end] < 0, joints[end], new_body[joints[end]])
-        events = events[joint[events["joint"]]].reset_index(drop=True)
-        active = joint[self.contacts.joints]
-        contacts = Contacts(*(values[..., active] for values in self.contacts))
         top = house.top_displacement_m[:, number]
+        supports, moved, below = self._ground_of(number)
+        first, own = joints["first_body"], -np.cumsum(below)  # -1 is the first
+        joints["first_body"] = np.where(first < 0, own[np.maximum(-1 - first, 0)], first)
         return replace(
-            self,
+            part,
+            supports=supports,
+            support_displacement=moved,
+            support_force=self.support_force[:, below],
             path=self.path.with_name(f"{self.path.stem}:{name}{self.path.suffix}"),
             wall=name,
             parameters=self.parameters
-            | {"wall": wall, "house": self.parameters["house"] | {"walls": [walls[number]]}},
-            attributes=self.attributes
             | {
-                "wall": name,
-                "total_joint_length_m": float(joints["length_m"].sum()),
-                "drift_height_m": height,
-                "length_m": wall["length"],
+                "wall": wall,
+                "house": self.parameters["house"]
+                | {"walls": [walls[number] | {"outside": outside, "left_m": 0.0}]},
             },
+            attributes=part.attributes
+            | {"wall": name, "drift_height_m": height, "length_m": wall["length"]},
             joints=joints,
             bodies=self.bodies[body].assign(x_m=self.bodies["x_m"] - left).reset_index(drop=True),
             series=self.series.assign(top_displacement_m=top, drift_ratio=top / height),
-            events=events.assign(joint=new_joint[events["joint"]]),
-            contacts=contacts._replace(joints=new_joint[contacts.joints]),
             displacement=self.displacement[:, body],
-            joint_stress_pa=(
-                None if self.joint_stress_pa is None else self.joint_stress_pa[:, joint]
-            ),
             house=house.of(number, body, joint),
         )
+
+    def _ground_of(self, number):
+        """Supports of a wall of a house, their displacement in its plane (n_times, n, 3) [m, m,
+        rad], and which of those of the house they are."""
+        if len(self.supports) == 1:
+            return self.supports, self.support_displacement, np.array([True])
+        placing, turn = self.placing, np.radians(self.parameters["house"]["heading"])
+        left, length = placing.left[number], placing.length[number]
+        at = self.supports[["left_m", "right_m"]].mean(axis=1)
+        own = ((at > left) & (at < left + length)).to_numpy()
+        facing = placing.axes[number, 0] @ [np.cos(turn), np.sin(turn), 0.0]
+        moved = self.support_displacement[:, own] * [facing, 1.0, facing]
+        return (self.supports[own] - left).reset_index(drop=True), moved, own
+
+    def of_face(self, face):
+        """The History of a wall of a house as one of its FACES shows it, as of a plane wall: the
+        contact points there, each with the whole of its length."""
+        (wall,) = self.parameters["house"]["walls"]
+        sign = wall.get("outside", 1) * (1 if face == "outside" else -1)
+        part = self._with_joints((np.sign(self.joints["y_m"]) == sign).to_numpy())
+        joints = in_one_layer(part.joints)
+        total = {"total_joint_length_m": float(joints["length_m"].sum())}
+        return replace(
+            part,
+            path=self.path.with_name(f"{self.path.stem}:{face}{self.path.suffix}"),
+            joints=joints,
+            attributes=self.attributes | total,
+            house=None,
+        )
+
+    def check_one_layer(self):
+        """Raise InputError of a wall of a house, which has other cracks at each of its faces."""
+        if "share" in self.joints:
+            stem, suffix = self.path.stem, self.path.suffix
+            place = stem if not self.is_house else f"{stem}:{self.placing.names[0]}"
+            raise InputError(
+                f"{self.path} has cracks of its own at each face: expected one face of a wall, as"
+                f" {place}:outside{suffix}; give that"
+            )
+
+    def _with_joints(self, kept):
+        """The History with these joints alone, (n_joints,) bool."""
+        joints, events = self.joints[kept].reset_index(drop=True), self.events
+        events = events[kept[events["joint"]]].reset_index(drop=True)
+        new, active = np.cumsum(kept) - 1, kept[self.contacts.joints]
+        contacts = Contacts(*(values[..., active] for values in self.contacts))
+        stress = self.joint_stress_pa
+        return replace(
+            self,
+            joints=joints,
+            events=events.assign(joint=new[events["joint"]]),
+            contacts=contacts._replace(joints=new[contacts.joints]),
+            joint_stress_pa=None if stress is None else stress[:, kept],
+            attributes=self.attributes | {"total_joint_length_m": float(joints["length_m"].sum())},
+        )
+
+    @cached_property
+    def placing(self):
+        """`damage.wall.placing.Placing` of the walls of a house."""
+        return placing_of(self.parameters["house"]["walls"])
 
     def slip_by(self, slip):
         """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that
@@ -334,12 +411,13 @@ def read_history(path):
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
     Raises InputError where the file is missing, is not a history, has another schema, or was
-    changed after its run closed it.  FILE:WALL.h5 is of a wall of the house in FILE.h5.
+    changed after its run closed it.  FILE:WALL.h5 is of a wall of the house in FILE.h5,
+    FILE:WALL:outside.h5 of a face of it.
     """
     given = Path(path)
-    house, _, wall = given.stem.rpartition(":")
-    if house and not given.exists():
-        return read_history(given.with_name(house + given.suffix)).of_wall(wall)
+    house, part = _without_part(given)
+    if part:
+        return read_history(house).of_wall(part)
     path = check_file(path, "a history (.h5)")
     head = read_head(path)
     if head.sealed:
@@ -352,6 +430,20 @@ def read_history(path):
         raise
     except Exception as error:  # a damaged file may say anything
         raise _unreadable(path, error) from error
+
+
+def _without_part(path):
+    """FILE.h5 and WALL of a path FILE:WALL.h5 that is no file; else the path, and ""."""
+    house, _, part = path.stem.rpartition(":")
+    return (
+        (path.with_name(house + path.suffix), part) if house and not path.exists() else (path, "")
+    )
+
+
+def file_of(path):
+    """The file of a history, of which the path may name a wall or a face."""
+    house, part = _without_part(Path(path))
+    return file_of(house) if part else house
 
 
 def _unreadable(path, error):
@@ -390,7 +482,7 @@ def history_of(path, attributes, values, ended=True):
             name: float(values[f"static/{name}"][()]) for name in sorted(schema.TABLES["static"])
         },
         attributes=attributes,
-        joints=_decode(_columns(values, "joints"), "kind", schema.CODES["joints/kind"]),
+        joints=_joints(values),
         bodies=_columns(values, "bodies"),
         series=_number_shocks(_decode(_columns(values, "series", n_times), "stage", schema.STAGES)),
         events=_decode(
@@ -410,6 +502,17 @@ def history_of(path, attributes, values, ended=True):
         contacts=_contacts(values, n_times),
         house=_house(values, n_times, n_snapshots),
     )
+
+
+def _joints(values):
+    """The table of the joints, in a house with `y_m` and `share` of the thickness; 1 between two
+    walls."""
+    table = _decode(_columns(values, "joints"), "kind", schema.CODES["joints/kind"])
+    if "placing/joint_y_m" not in values:
+        return table
+    y, wall = (values[f"placing/joint_{name}"][:] for name in ("y_m", "wall"))
+    share = SHARES[np.sign(y).astype(int) + 1]
+    return table.assign(y_m=y, share=np.where(wall < 0, 1.0, share))
 
 
 def _house(values, n_times, n_snapshots):

@@ -244,6 +244,10 @@ PLACING = {
     "joint_y_m": Column(
         "m", "only of a house: place of each contact point from the middle plane of its wall"
     ),
+    "body_y_m": Column(
+        "m", "only of a house: centre of each body from that plane, of a concrete floor not zero"
+    ),
+    "body_depth_m": Column("m", "only of a house: size of each body across its wall"),
 }
 HOUSE = {
     "top_displacement_m": Column(
@@ -251,6 +255,9 @@ HOUSE = {
     ),
     "across_m": Column(
         "m", "only of a house: of each wall, largest displacement of a body across it"
+    ),
+    "top_across_m": Column(
+        "m", "only of a house: of each wall across it, of the top whose displacement is its drift"
     ),
     "base_acceleration_m_s2": Column(
         "m/s2",
@@ -340,6 +347,8 @@ SHAPES = {
     "placing/body_wall": ("bodies",),
     "placing/joint_wall": ("joints",),
     "placing/joint_y_m": ("joints",),
+    "placing/body_y_m": ("bodies",),
+    "placing/body_depth_m": ("bodies",),
     "static_stage": ("looks",),
 }
 """Of the datasets of a group, or of one: what they have as many of."""

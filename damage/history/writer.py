@@ -318,7 +318,8 @@ def layout_tables(layout):
     }
     if layout.space:
         space = layout.space
-        tables["placing"] = space.wall, space.joint_wall[:n], space.y[:n]
+        joints = space.joint_wall[:n], space.y[:n]
+        tables["placing"] = space.wall, *joints, space.offset, space.depth
     return {
         f"{group}/{name}": np.asarray(data, column.dtype)
         for group, values in tables.items()

@@ -89,11 +89,20 @@ def evidence_for(wall, parameters, result=None):
         shakes=parameters["loading"]["kind"] in ("harmonic", "record", "free_vibration"),
         rest_s=(parameters.get("events") or [{}])[-1].get("rest_s", parameters.get("rest_s")),
         result=result or {},
+        corners=_corners(wall, parameters.get("house")),
         followed=bool(
             result and result["collapsed_at_s"] is not None and parameters.get("after_fall")
         ),
     )
     return {one.name: one.judge(run) for one in QUANTITIES if one.value}
+
+
+def _corners(wall, house):
+    """Number of the corners of a wall of a house, or of the house, None of another wall."""
+    if house is None:
+        return None
+    named = [wall.name in one["walls"] for one in house["corners"]]
+    return sum(named) or (len(named) if wall.name == house["name"] else 0)
 
 
 def _storeys(run):
@@ -131,7 +140,25 @@ QUANTITIES = (
         "in the plane of the wall; [strips](../guides/own-wall.md#a-strip-in-one-way-bending) "
         "between floors bend out of it",
         "closed forms within 2 %; [one shaken strip](../validation/shaken-walls.md)",
-        "two-way bending, torsion and return walls are not modelled",
+        "two-way bending, torsion and return walls: [houses](house.md) in YADE alone",
+    ),
+    Quantity(
+        "corners with other walls",
+        "{range}",
+        "[closed forms, limit analysis by hand](house.md#checks)",
+        "no house has been compared with a test, nor another program with its motion",
+        lambda run: run.corners,
+        most=0.0,
+    ),
+    Quantity(
+        "drift across the wall",
+        "{range}",
+        "[closed forms of rocking and bending](house.md#checks)",
+        "no test of a wall of a house has been compared",
+        _result("max_drift_across_ratio"),
+        most=0.0,
+        unit="%",
+        size=PERCENT,
     ),
     Quantity(
         "vertical components of the motion",

@@ -11,6 +11,7 @@ from damage.measure import (
     damage_index,
     energy,
     ground,
+    house,
     joints,
     limits,
     pushed,
@@ -28,6 +29,7 @@ _MODULES = {
     "Cycles and period": [cycles],
     "Cracks": [cracks, joints, brick_stress],
     "Ground": [ground],
+    "House": [house],
     "Energy": [energy],
     "Classes by published limits": [limits],
 }

@@ -3,7 +3,8 @@
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv,
 _cycles.csv, _static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a
 wall with floors _storeys.csv, of deformable bricks _bricks.csv, with --stresses _stresses.csv and
-_sections.csv, and STEM_info.json, their origin.  `python3 -m damage
+_sections.csv, and STEM_info.json, their origin; of a house STEM_walls.csv, STEM_corners.csv and
+those of each wall.  `python3 -m damage
 tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
 """
 
@@ -23,6 +24,7 @@ from damage.index import COMPONENTS
 from damage.measure.brick_stress import BRICKS, bricks_table, has_stresses
 from damage.measure.cycles import CYCLES, SHOCKS, cycles_table, shocks_table
 from damage.measure.damage_index import SLIP, STOREYS, index_by_all, index_columns, storeys_table
+from damage.measure.house import CORNERS, WALLS, corners_table, walls_table
 from damage.measure.joint_stress import (
     MOMENTS,
     SECTIONS,
@@ -100,9 +102,9 @@ def _motion_columns(history, numbers):
 
 
 def summary_table(paths):
-    """`summary_row` of each history file of `paths`, in their order, a DataFrame; runs are named by
-    their files."""
-    return pd.DataFrame([summary_row(read_history(path)) for path in paths])
+    """`summary_row` of each history file of `paths`, in their order, a DataFrame, a row for each
+    wall of a house; runs are named by their files."""
+    return pd.DataFrame([summary_row(part) for path in paths for part in read_history(path).parts])
 
 
 def index_table(history):
@@ -129,6 +131,8 @@ def joints_table(history):
     table = _with_first(
         history.joints.rename_axis("joint").reset_index(), "joint", "kind", "x_m", "z_m"
     )
+    if history.house is None:
+        table = table.assign(y_m=0.0, share=1.0)
     active, states = history.active, history.states
 
     def column(of, values):
@@ -185,6 +189,8 @@ JOINTS_OF_A_RUN = {
     "ended": Column("bool", "whether it had ended by then, as its faces no longer overlapped"),
     "final_offset_m": Column("m", "offset of the faces at the last sample, signed"),
     "max_abs_offset_m": Column("m", "largest absolute offset of all samples"),
+    "y_m": Column("m", "place from the middle of the thickness; 0 but in a house"),
+    "share": Column("1", "of the thickness, which `length_m` has; 1 but in a house"),
 }
 RUN_TABLES = {
     "index": (index_table, INDEX),
@@ -198,13 +204,27 @@ RUN_TABLES = {
     "stresses": (stresses_table, STRESSES),
     "sections": (sections_table, SECTIONS),
 }
+HOUSE_TABLES = {"walls": (walls_table, WALLS), "corners": (corners_table, CORNERS)}
 """{end of a file's name: (function of a History, columns of the table)}."""
 
 
 def write_run_tables(history, stem):
     """Write the RUN_TABLES that a run has to STEM_index.csv and so on, and their origin to
-    STEM_info.json; returns the paths.  Raises InputError where the history has no sample."""
+    STEM_info.json; returns the paths.  Of a house STEM_walls.csv, STEM_corners.csv, and those of
+    each wall, STEM_WALL_index.csv and so on.  Raises InputError where the history has no sample."""
     check_samples(history)
+    if history.is_house:
+        return [
+            *(
+                write_table(table_of(history), Path(f"{stem}_{name}.csv"))
+                for name, (table_of, _) in HOUSE_TABLES.items()
+            ),
+            *(
+                path
+                for part in history.parts
+                for path in write_run_tables(part, f"{stem}_{part.wall}")
+            ),
+        ]
     has = {
         "shocks": history.series["shock"].iloc[-1] > 1,
         "storeys": history.masonry_wall.floors,

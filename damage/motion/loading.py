@@ -534,7 +534,7 @@ class TopDisplacement(Loading):
             )
 
     @property
-    def name(self) -> str:
+    def name(self):
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
         more = [f"_top-rotation-{self.top_rotation:g}"] if self.top_rotation else []
@@ -542,7 +542,7 @@ class TopDisplacement(Loading):
         return f"{kind}_{self.boundary}{''.join(more)}"
 
     @property
-    def drive(self) -> Drive:
+    def drive(self):
         return Drive(
             top=self.top_displacement,
             top_rotates=self.boundary != "fixed",
@@ -551,14 +551,14 @@ class TopDisplacement(Loading):
             local_damping=self.local_damping,
         )
 
-    def turning_points(self, height: float) -> np.ndarray:
+    def turning_points(self, height):
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
         amplitudes = to_bits(np.array(self.amplitudes_pct) / 100 * height)
         if self.cycles == 0:
             return amplitudes[:1]
         return np.append(np.outer(amplitudes, np.tile([1.0, -1.0], self.cycles)), 0.0)
 
-    def top_displacement(self, time_s, height: float) -> np.ndarray:
+    def top_displacement(self, time_s, height):
         """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
 
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
@@ -576,11 +576,11 @@ class TopDisplacement(Loading):
         time_s = np.asarray(time_s, dtype=np.float64)
         return (area(time_s) - area(time_s - EASE_S)) / EASE_S
 
-    def length_s(self, height: float) -> float:
+    def length_s(self, height):
         """Time of the motion's end [s]."""
         return float(self.schedule(height)[0][-1])
 
-    def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
+    def schedule(self, height):
         """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a
         rest there."""
         points = np.concatenate([[0.0], self.turning_points(height)])
@@ -588,7 +588,7 @@ class TopDisplacement(Loading):
         times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
-    def as_dict(self) -> dict:
+    def as_dict(self):
         shares = {"floor_shares": [[*one] for one in self.floor_shares]}
         return {
             "kind": "cyclic" if self.cycles else "pushover",

@@ -112,7 +112,7 @@ class Settlement:
         Where each one goes is rounded once (`damage.rounded`), so that the last bits of the wall's
         lengths do not reach a run: displacements, and angles as those over a metre, to
         DISPLACEMENT."""
-        left, right, length = supports.left, supports.right, supports.right[-1]
+        left, right, length = supports.left, supports.right, supports.right.max()
         time_s = np.clip(np.asarray(time_s, float) / self.moving_s(length), 0.0, 1.0)
         root = sin_of_turns(time_s / 4)[:, np.newaxis]
         share = root * root  # (1 - cos(pi time_s)) / 2

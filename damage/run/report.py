@@ -5,6 +5,8 @@ from shlex import quote
 from damage.errors import InputError, one_line, warn
 from damage.measure.cycles import shocks_table
 from damage.measure.evidence import describe as describe_evidence
+from damage.measure.house import describe as describe_together
+from damage.measure.house import house_summary
 from damage.measure.summary import summarise
 from damage.measure.warnings import warnings_of
 from damage.run.options import SUMMARY, pictures_folder
@@ -17,9 +19,8 @@ def report(history, pictures=True):
 
     The history is complete by then: whatever fails here is reported and loses nothing.
     """
-    if len(history.parts) > 1:
-        for part in history.parts:
-            report(part, pictures)
+    if history.is_house:
+        report_house(history, pictures)
         return
     path = history.path
     if len(history.series) == 0:
@@ -32,17 +33,43 @@ def report(history, pictures=True):
     if history.series["shock"].iloc[-1] > 1:
         print(*describe_events(shocks_table(history)), sep="\n")
     if pictures:
-        try:
-            from damage.draw.run import save_all
+        _draw(history)
+    _name(path)
 
-            count = len(save_all(history, pictures_folder(path)))
-            print(f"pictures: {count} files in {pictures_folder(path)}")
-        except Exception as error:
-            warn(
-                f"the history is whole, its pictures failed ({one_line(error)}); "
-                f"try: python3 -m damage plot {path} --out {pictures_folder(path)}"
-            )
+
+def _draw(history):
+    folder = pictures_folder(history.path)
+    try:
+        from damage.draw.house import save_all
+
+        print(f"pictures: {len(save_all(history, folder))} files in {folder}")
+    except Exception as error:
+        warn(
+            f"the history is whole, its pictures failed ({one_line(error)}); "
+            f"try: python3 -m damage plot {history.path} --out {folder}"
+        )
+
+
+def _name(path):
     print(f"history: {path}\nnext, one HTML file:\n  python3 -m damage report {quote(str(path))}")
+
+
+def report_house(history, pictures=True):
+    """As `report`, of a house: all walls in one table, with the warnings of each."""
+    if len(history.series) == 0:
+        report(history.parts[0], pictures=False)
+        return
+    summaries = {part.wall: with_added(summarise(part), part) for part in history.parts}
+    warn(*dict.fromkeys(text for one in summaries.values() for text in one["warnings"]))
+    print(describe_house(house_summary(history, summaries)))
+    if pictures:
+        _draw(history)
+    _name(history.path)
+
+
+def describe_house(found):
+    """A `house_summary` as lines for people: what all walls have together, then each."""
+    return "\n\n".join([describe_together(found), *map(describe, found["walls"].values())])
 
 
 def check_pictures(path, overwrite=False):
@@ -60,6 +87,8 @@ def describe(summary):
     """The summary as lines for people, without more digits than a scatter of the strengths by 0.1 %
     leaves certain: of widths two, of drift and forces three, of indices three decimals
     (docs/reference/measures.md)."""
+    # a wall of a house has base shear and energies of all walls
+    whole = "" if summary["max_across_mm"] is None else " of the house"
     lines = [
         f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
         + (f", collapsed at {summary['collapsed_at_s']:.2f} s" if summary["collapsed_at_s"] else "")
@@ -87,8 +116,8 @@ def describe(summary):
         )
     )
     lines.append(
-        f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear up to "
-        f"{rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
+        f"drift ratio up to {rounded(100 * summary['max_drift_ratio'], 3)} %, base shear{whole} up"
+        f" to {rounded(summary['peak_base_shear_n'] / 1e3, 3)} kN, opening up to "
         f"{rounded(summary['max_opening_mm'], 2)} mm, offset up to"
         f" {rounded(summary['max_offset_mm'], 2)} mm, accumulated slip up to"
         f" {rounded(summary['max_slip_mm'], 2)} mm"
@@ -98,7 +127,7 @@ def describe(summary):
         f" {summary['shear_breaks']} in shear; Psi up to {rounded(summary['max_psi'], 2)}"
         f" ({summary['psi_class']}; cracks from {summary['psi_from_mm']:g} mm), widest crack"
         f" {rounded(summary['max_crack_width_mm'], 2)} mm ({summary['crack_width_class']}),"
-        f" friction and fracture dissipated {rounded(summary['dissipated_energy_j'], 2)} J"
+        f" friction and fracture{whole} dissipated {rounded(summary['dissipated_energy_j'], 2)} J"
     )
     lines += _ground_lines(summary)
     if summary["ended_joints"]:
@@ -108,7 +137,8 @@ def describe(summary):
     lines += _motion_lines(summary)
     if summary["energy_error_fraction"] is not None:
         lines.append(
-            f"energy balance error {100 * summary['energy_error_fraction']:.3f} % of the input"
+            f"energy balance error{whole} {100 * summary['energy_error_fraction']:.3f} % of the"
+            " input"
         )
     if summary["peak_force_n"] is not None:
         lines.append(

@@ -72,7 +72,9 @@ class Run:
         # (velocities in each interval, what moves by them, first interval)
         self.base, self._prescribed = NO_MOTION, []
         moves = settings.ground_moves or bool(state and state["base_moves"])
-        self._base_motion = monitor.BaseMotion(layout) if moves else None
+        space = layout.space
+        self._base_motion = monitor.BaseMotion(layout) if moves and not space else None
+        self._base_motions = monitor.base_motions(layout) if moves and space else ()
         self._zero = None  # instant at the end of the static stage
         # at time zero; energy that came in with it
         self._modal_velocity, self._set_in_motion_j = None, 0.0
@@ -221,7 +223,7 @@ class Run:
                     zero,
                 ),
                 (
-                    settlement and settlement.velocities(interval_s, zero, self.layout.supports),
+                    settlement and settlement.velocities(interval_s, zero, self.layout.ground),
                     solver.move_supports,
                     0,
                 ),
@@ -241,7 +243,7 @@ class Run:
 
     def _take_hold(self):
         drive = self.settings.loading.drive
-        if drive.floor_shares:
+        if drive.floor_shares or (drive.top and self.layout.space):
             self.solver.spread(self.layout.push_shares(drive.floor_shares))
         elif drive.top:
             self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)
@@ -557,9 +559,10 @@ class Run:
             "ground/force": now.support_force,
         }
         if now.out_of_plane is not None:
-            found["house/top_displacement_m"] = self.layout.space.tops(self._motion(now))
+            found["house/top_displacement_m"] = self._tops(self._motion(now))
             across = now.out_of_plane - self._zero.out_of_plane
             found["house/across_m"] = self.layout.space.across(across)
+            found["house/top_across_m"] = self.layout.space.tops(across)
             found["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa
@@ -609,12 +612,20 @@ class Run:
         """Mean displacement of the top course over the piers (n,) [m], in a house of the wall whose
         drift is the largest; motion: `_motion`."""
         if self.layout.space:
-            tops, heights = self.layout.space.tops(motion), self.layout.space.drift_height
+            tops, heights = self._tops(motion), self.layout.space.drift_height
             largest = np.abs(tops / heights).argmax(axis=1)
             # of a height that all drifts are over
             return (tops / heights)[np.arange(len(tops)), largest] * self.layout.drift_height
         top = motion[:, :, 0].take(self.layout.drift_bodies, axis=1)
         return np.add.reduce(top, axis=1) / top.shape[1]
+
+    def _tops(self, motion):
+        """Displacement along each wall of a house of its top (n, n_walls) [m], without the rigid
+        motion of its base on ground that moves."""
+        tops = self.layout.space.tops(motion)
+        for number, base in enumerate(self._base_motions):
+            tops[:, number] -= base.at_top(motion)
+        return tops
 
     def _drift(self, motion, top=None):
         """Drift ratio (n,) [-], without the rigid motion of a base on ground that moves; top:

@@ -176,7 +176,7 @@ def settlement_s(settings, layout):
     """Length of the settlement stage [s], zero without one: the ground moves, then the wall comes
     to rest."""
     return (
-        settings.settlement.moving_s(layout.supports.right[-1]) + SETTLE_S
+        settings.settlement.moving_s(layout.ground.right.max()) + SETTLE_S
         if settings.settlement
         else 0.0
     )

@@ -285,8 +285,11 @@ def check_house(settings, house):
         settings.check_plausible(placed.wall)
     drive = settings.loading.drive
     for what, given in (
-        ("a push or displacements of supports", drive.top or drive.supports),
-        ("--settlement", settings.settlement),
+        ("displacements of supports", drive.supports),
+        (
+            "a pushed top that may not rotate freely",
+            drive.top and (not drive.top_rotates or drive.top_stiffness),
+        ),
         ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
@@ -295,8 +298,8 @@ def check_house(settings, house):
     ):
         if given:
             raise InputError(
-                f"house {house.name} with {what}: expected a motion of the base, or free vibration,"
-                " alone; leave it out"
+                f"house {house.name} with {what}: expected a motion of the base, a push,"
+                " settlement, or free vibration, alone; leave it out"
             )
 
 
@@ -361,7 +364,7 @@ def _laid_out(wall, settings):
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     if settings.settlement:
-        settings.settlement.check_length(wall.length)
+        settings.settlement.check_length(float(layout.ground.right.max()))
     return layout
 
 

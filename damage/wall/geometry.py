@@ -148,12 +148,30 @@ def joint_gaps(joints, bodies, motion, supports=AT_REST):
 def tributary_ends(joints):
     """Ends of the tributary lengths before any motion, (n_joints, 2, 2) [m]: bed joints along x,
     head joints and bricks' cuts along z, around the contact point, or farther in where there are
-    two in a cell."""
+    two in a cell.  Of the points through the thickness of a house each has the whole length."""
+    if "share" in joints:
+        return _of_each_layer(joints)
     point, length = joints[["x_m", "z_m"]].to_numpy(), joints["length_m"].to_numpy()
     is_head = joints["kind"].isin(("head", "brick")).to_numpy()
     along = np.where(is_head[:, None], (0.0, 1.0), (1.0, 0.0))
     middle = point + along * (_inwards(joints, point, length) * length / 2)[:, None]
     return middle[:, None] + np.array([-0.5, 0.5])[:, None] * (along * length[:, None])[:, None]
+
+
+def _of_each_layer(joints):
+    """`tributary_ends` of points with a `share` of the thickness, layer by layer at the same
+    side."""
+    found = np.empty((len(joints), 2, 2))
+    for layer in (-1, 0, 1):
+        chosen = (np.sign(joints["y_m"]) == layer).to_numpy()
+        found[chosen] = tributary_ends(in_one_layer(joints[chosen]))
+    return found
+
+
+def in_one_layer(joints):
+    """Joints with a `share` of the thickness as those of a plane wall, of their whole lengths."""
+    whole = joints["length_m"] / joints["share"]
+    return joints.assign(length_m=whole).drop(columns=["share", "y_m"])
 
 
 def _inwards(joints, point, length):

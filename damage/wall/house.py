@@ -18,12 +18,23 @@
     walls = ["front", "left"]
     kind = "toothed"                # or "butted"
 
+    [[floors]]
+    level = 2.6                     # of its top [m], as of a wall's own
+    kind = "concrete"               # one slab in all its walls; or "timber", mass on parallel ones
+    walls = ["front", "left"]
+    mass_per_area = 400             # with its weight [kg/m2]
+
+    [roof]                          # mass on the tops of these walls
+    walls = ["left", "right"]
+    mass_per_area = 80
+
 Its runs are YADE's: `./yade HOUSE.toml`.  `damage.wall.space` lays it out.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,6 +42,8 @@ from damage.errors import InputError
 from damage.fields import check_fields, choice, quantity
 from damage.toml_file import read_toml
 from damage.wall.file import MOST_MB, load_wall, read_wall, user_record
+from damage.wall.floors import KINDS_OF_FLOORS, Floor
+from damage.wall.kinds import TINY
 from damage.wall.parameters import LONGEST_M, Wall
 
 KINDS_OF_CORNERS = "toothed", "butted"
@@ -66,6 +79,11 @@ class Placed:
         cos, sin = np.round([np.cos(turn), np.sin(turn)], 15)
         return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
+    @property
+    def ends(self):
+        """Its left and right end in plan, in the middle of its thickness (2, 2) [m]."""
+        return self.origin + np.outer([0.0, self.wall.length], self.axes[0, :2])
+
 
 @dataclass(frozen=True)
 class Corner:
@@ -81,19 +99,109 @@ class Corner:
 
 
 @dataclass(frozen=True)
+class Diaphragm:
+    """A floor or roof of a house, carried by the walls of these names.
+
+    level [m]: of its top; mass_per_area [kg/m2]: of all that it brings, with its weight; kind:
+    "concrete", one rigid slab, `depth` [m] deep, in place of the courses of all its walls, or
+    "timber": each of its walls, which are parallel, bears half of the span on either side;
+    anchor_spacing [m]: of joists that are anchored in both walls, None without anchors: then they
+    tie nothing.
+    """
+
+    level: float = quantity("m", 1e-3, 1000.0, (0.03, 50), "on the base course; a tower")
+    walls: tuple[str, ...]
+    mass_per_area: float = quantity("kg/m2", 1e-2, 1e5, (10, 3000), "boards; a store")
+    kind: str = choice(KINDS_OF_FLOORS, default="timber")
+    depth: float = quantity("m", 1e-3, 10.0, (0.01, 2), "a screed; a transfer slab", default=0.15)
+    anchor_spacing: float | None = quantity("m", 0.1, 100.0, default=None)
+
+    def __post_init__(self):
+        check_fields(self)
+        object.__setattr__(self, "walls", tuple(self.walls))
+        if self.anchor_spacing and self.kind == "concrete":
+            raise InputError(
+                f"floor at {self.level:g} m, of concrete, with anchor_spacing: expected it of"
+                " timber; leave it out"
+            )
+
+    def spans(self, walls):
+        """The Spans between these Placed walls, those that carry it, of timber."""
+        axes = walls[0].axes[:2, :2]
+        place = [axes @ one.origin for one in walls]
+        order = sorted(range(len(walls)), key=lambda number: place[number][1])
+        ends = [sorted(axes[0] @ end for end in one.ends) for one in walls]
+        found = []
+        for one, other in zip(order, order[1:]):
+            left, right = (pick(ends[one][k], ends[other][k]) for k, pick in ((0, max), (1, min)))
+            if right - left < TINY:
+                raise InputError(
+                    f"floor at {self.level:g} m: walls {walls[one].wall.name} and"
+                    f" {walls[other].wall.name} face each other nowhere, so that it is in the air:"
+                    " expected walls beside each other; correct them, or their order"
+                )
+            along = []
+            for number in (one, other):
+                sign = walls[number].axes[0, :2] @ axes[0]
+                along.append(sorted(sign * (end - place[number][0]) for end in (left, right)))
+            found.append(Span(walls[one], walls[other], place[other][1] - place[one][1], *along))
+        return found
+
+    def on_walls(self, walls):
+        """{name of a wall: [Floor, ...]} of these Placed walls, those that carry it."""
+        if self.kind == "concrete":
+            size = np.ptp(outline(walls), axis=0)
+            mass = self.mass_per_area * float(size.prod()) / len(walls)
+            floor = Floor(self.level, mass, kind=self.kind, depth=self.depth)
+            return {one.wall.name: [floor] for one in walls}
+        found = {one.wall.name: [] for one in walls}
+        for span in self.spans(walls):
+            for one, (left, right) in ((span.one, span.along), (span.other, span.other_along)):
+                mass = self.mass_per_area * span.apart / 2 * (right - left)
+                found[one.wall.name].append(Floor(self.level, mass, left, right))
+        return found
+
+
+class Span(NamedTuple):
+    """Of a floor between two walls: their distance, and its left and right end on either [m]."""
+
+    one: Placed
+    other: Placed
+    apart: float
+    along: list[float]
+    other_along: list[float]
+
+
+def outline(walls):
+    """Corners of the rectangle around Placed walls at right angles, in the axes of the first: the
+    lowest and the highest ones, (2, 2) [m]."""
+    axes = walls[0].axes[:2, :2]
+    half = [one.wall.brick.thickness / 2 * np.abs(axes @ one.axes[1, :2]) for one in walls]
+    ends = [[axes @ end for end in one.ends] for one in walls]
+    return np.array(
+        [
+            np.min([np.min(end, axis=0) - by for end, by in zip(ends, half)], axis=0),
+            np.max([np.max(end, axis=0) + by for end, by in zip(ends, half)], axis=0),
+        ]
+    )
+
+
+@dataclass(frozen=True)
 class House:
-    """Placed walls of one masonry and their corners; heading: of the first horizontal component of
-    the motion in plan, from x towards y [deg]."""
+    """Placed walls of one masonry, their corners and floors; heading: of the first horizontal
+    component of the motion in plan, from x towards y [deg]."""
 
     name: str
     walls: tuple[Placed, ...]
     corners: tuple[Corner, ...] = ()
+    floors: tuple[Diaphragm, ...] = ()
     heading: float = quantity("deg", -360, 360, default=0.0)
 
     def __post_init__(self):
         check_fields(self)
         object.__setattr__(self, "walls", tuple(self.walls))
         object.__setattr__(self, "corners", tuple(self.corners))
+        object.__setattr__(self, "floors", tuple(self.floors))
         if not self.walls:
             raise InputError(f"house {self.name} has no [[walls]]: expected one or more; add them")
         names = self.names
@@ -111,6 +219,8 @@ class House:
                 )
         for wall in (placed.wall for placed in self.walls):
             _check_masonry(self, wall)
+        for floor in self.floors:
+            _check_floor(self, floor)
 
     @property
     def names(self):
@@ -122,8 +232,24 @@ class House:
         """The first wall under the name of the house, for what all walls share."""
         return replace(self.walls[0].wall, name=self.name)
 
+    def carrying(self, floor):
+        """The Placed walls of a Diaphragm, in the order of the house."""
+        return [one for one in self.walls if one.wall.name in floor.walls]
+
+    @cached_property
+    def bearing(self):
+        """The Placed walls with what floors bring to each."""
+        more = {name: [] for name in self.names}
+        for floor in self.floors:
+            for name, found in floor.on_walls(self.carrying(floor)).items():
+                more[name] += found
+        return tuple(
+            replace(one, wall=replace(one.wall, floors=(*one.wall.floors, *more[one.wall.name])))
+            for one in self.walls
+        )
+
     def as_dict(self):
-        """All parameters as a plain dictionary, for files."""
+        """All parameters as a plain dictionary, for files; its walls have what floors bring."""
         return {
             "name": self.name,
             "heading": self.heading,
@@ -133,9 +259,12 @@ class House:
                     "origin": list(one.origin),
                     "direction": one.direction,
                 }
-                for one in self.walls
+                for one in self.bearing
             ],
-            "corners": [vars(one) | {"walls": list(one.walls)} for one in self.corners],
+            **{
+                name: [vars(one) | {"walls": list(one.walls)} for one in getattr(self, name)]
+                for name in ("corners", "floors")
+            },
         }
 
 
@@ -162,22 +291,54 @@ def _check_masonry(house, wall):
             )
 
 
+def _check_floor(house, floor):
+    """Refuse a floor on walls that are not there, or do not lie as its kind needs."""
+    what = f"house {house.name}, floor at {floor.level:g} m"
+    walls, names = house.carrying(floor), ", ".join(house.names)
+    if not set(floor.walls) <= set(house.names) or len(walls) < 1 + (floor.kind == "timber"):
+        raise InputError(
+            f"{what} on walls {list(floor.walls)}: expected"
+            f" {'two or more' if floor.kind == 'timber' else 'some'} of its walls, {names}; correct"
+            " them"
+        )
+    for one in walls[1:]:
+        turn = abs(walls[0].axes[0] @ one.axes[0])
+        if turn < 1 - TINY and (floor.kind == "timber" or turn > TINY):
+            raise InputError(
+                f"{what}: walls {walls[0].wall.name} and {one.wall.name}: expected parallel ones"
+                f"{'' if floor.kind == 'timber' else ', or right angles'}; correct its walls"
+            )
+    floor.on_walls(walls)
+
+
 def read_house(path):
     """The House of a TOML file; InputError for anything that makes none."""
     path = Path(path)
     table = dict(read_toml(path, "a house as TOML", MOST_MB))
-    walls, corners = (_tables(path, table.pop(name, [])) for name in ("walls", "corners"))
+    walls, corners, floors = (
+        _tables(path, table.pop(name, [])) for name in ("walls", "corners", "floors")
+    )
     walls = [_placed(path, number, dict(one)) for number, one in enumerate(walls, 1)]
     corners = [
         user_record(f"{path}, [[corners]] {number}", Corner, one)
         for number, one in enumerate(corners, 1)
     ]
-    return user_record(f"{path}", House, table | {"walls": walls, "corners": corners})
+    for roof in _tables(path, [table.pop("roof")] if "roof" in table else []):
+        tops = [one.wall.height for one in walls if one.wall.name in roof.get("walls", ())]
+        floors = [*floors, {"level": max(tops, default=1.0)} | roof]
+    floors = [
+        user_record(f"{path}, [[floors]] {number}", Diaphragm, one)
+        for number, one in enumerate(floors, 1)
+    ]
+    parts = {"walls": walls, "corners": corners, "floors": floors}
+    return user_record(f"{path}", House, table | parts)
 
 
 def _tables(path, given):
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
-        raise InputError(f"{path}: expected tables [[walls]], [[corners]]; double the brackets")
+        raise InputError(
+            f"{path}: expected tables [[walls]], [[corners]], [[floors]]; correct them"
+        )
     return given
 
 
@@ -193,6 +354,16 @@ def _placed(path, number, table):
     wall = load_wall(beside if beside.is_file() else file)
     named = {"wall": wall if name is None else replace(wall, name=name)}
     return user_record(f"{path}, [[walls]] {number}", Placed, table | named)
+
+
+def is_house(path):
+    """Whether a file is a TOML file that places walls."""
+    path = Path(path)
+    return (
+        path.suffix == ".toml"
+        and path.is_file()
+        and "[[walls]]" in path.read_text("utf-8", "replace")
+    )
 
 
 def read_wall_or_house(path):

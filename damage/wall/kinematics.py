@@ -58,7 +58,7 @@ def places_of(layout):
     places, normals = [], []
     for body in (contacts.first, contacts.second):
         of = np.maximum(body, 0)
-        centre = np.column_stack([bodies.x, np.zeros(len(bodies)), bodies.z])[of]
+        centre = space.unfolded(bodies)[of]
         ground = (body < 0)[:, None]
         places.append(np.where(ground, space.place, centre + space.arms(bodies, of)))
         turned = np.einsum("nij,nj->ni", space.of_body[of], space.axes[:, 0])

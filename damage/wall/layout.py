@@ -153,6 +153,11 @@ class Layout:
         return np.where(self.contacts.kind[:n] == CUT, 0.0, self.contacts.length[:n])
 
     @property
+    def ground(self):
+        """Supports by their places along a settlement: along the wall, or a house's heading."""
+        return self.space.ground if self.space else self.supports
+
+    @property
     def pushed_bodies(self):
         """Bodies that a quasi-static loading moves: the caps; the drift course where there are
         none, or a restraint holds the top."""
@@ -167,18 +172,21 @@ class Layout:
     def push_shares(self, floor_shares):
         """Share of a push that each body takes, (n_bodies,) [-]: that of its floor by mass.
 
-        floor_shares: ((level [m], share [-]), ...).  Raises InputError for a level that is neither
+        floor_shares: ((level [m], share [-]), ...), of a house none for the tops of all walls.
+        Raises InputError for a level that is neither
         a floor's nor the wall's.
         """
         found, mass = np.zeros(len(self.bodies)), self.bodies.mass
-        for level, share in floor_shares:
-            on = self._carries(level)
+        for level, share in floor_shares or ((None, 1.0),):
+            on = self.pushed_bodies if level is None else self._carries(level)
             found[on] += share * mass[on] / total(mass[on])
         return to_bits(found / total(found))
 
     def _carries(self, level):
         """Indices of the bodies that carry the floors, or the top, at this level [m]."""
         wall, bodies, course = self.wall, self.bodies, self.wall.brick.height
+        if self.space:
+            return self._carries_in_house(level)
         places = [place for place in self.plan.floors if place.above == round(level / course)]
         if places:
             of_course = np.abs(bodies.z - (places[0].above - 0.5) * course) < bodies.height / 2
@@ -196,9 +204,21 @@ class Layout:
             f" {', '.join(f'{one:g}' for one in levels)} m; correct it"
         )
 
+    def _carries_in_house(self, level):
+        """`_carries` of a house: a slab, else the course below in all walls."""
+        bodies = self.bodies
+        on = np.abs(bodies.z + bodies.height / 2 - level) < self.wall.brick.height / 2
+        slabs = on & (bodies.course == SLAB_COURSE)
+        if not on.any():
+            raise InputError(
+                f"--floor-share at {level:g} m: house {self.wall.name} ends at"
+                f" {np.max(bodies.z + bodies.height / 2):g} m: expected a level in it; correct it"
+            )
+        return np.flatnonzero(slabs if slabs.any() else on)
+
     def height_of_push(self, floor_shares=()):
         """Height of the resultant of a push [m]: of the pushed bodies, or of these floors."""
-        if not floor_shares:
+        if not floor_shares and not self.space:
             return self.pushed_height
         return float(total(self.push_shares(floor_shares) * self.bodies.z))
 

@@ -96,7 +96,7 @@ class Brick:
         0,
         1e9,
         (1, 1e3),
-        "clay units have 60 to 130 (van der Pluijm, 1992)",
+        "clay bricks had 47 and 58 (Mohammed, Hughes, Danraka)",
         zero=True,
         words=("rule",),
         default=None,
@@ -318,8 +318,7 @@ def crushing_energy(compressive_strength):
 
 def splitting_energy(tensile_strength):
     """Fracture energy [J/m2] of a Brick from its tensile strength [Pa] alone: 0.029 mm times that,
-    the mean of three clay bricks (0.018 to 0.040 mm), which P. B. Lourenço recommends (M.
-    Angelillo, P. B. Lourenço, G. Milani, Masonry behaviour and modelling, CISM 551, 2014).
+    assumed (docs/model/model.md#splitting).
 
     >>> splitting_energy(1e6)
     29.0

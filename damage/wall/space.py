@@ -6,27 +6,36 @@ contact point of a wall is three through the thickness, at the faces and in the 
 of 1/6, 4/6 and 1/6 (Simpson's rule): the stiffness in bending is exact, and a dry wall rocks about
 its face; with two Gauss points it would fall at 0.58 of that.
 
+A concrete floor is one body of the first of its walls, in place of the strips that each would have
+by itself.  Anchored joists are elastic bars between bricks of two walls, without stiffness across.
+
 Where walls are toothed, the half brick at the end of a course makes room for the whole one of the
 other wall.  Contact points between two walls are where their bricks touch, 3 x 3 on each face.
 """
 
 from dataclasses import dataclass, fields, replace
 from itertools import combinations, product
+from typing import NamedTuple
 
 import numpy as np
 
 from damage.errors import InputError
+from damage.rounded import to_bits
 from damage.wall.contact_points import Contacts
-from damage.wall.house import House
-from damage.wall.kinds import BED, GROUND, HEAD, TINY, rows
+from damage.wall.floors import Floor
+from damage.wall.house import House, outline
+from damage.wall.kinds import BED, CAP, GROUND, HEAD, SLAB_COURSE, TINY, rows
 from damage.wall.layout import Cells, Supports, lay_out
 
 THROUGH, SHARES = np.array([-1.0, 0.0, 1.0]), np.array([1.0, 4.0, 1.0]) / 6
 """Contact points through the thickness: places over half of it, and shares of the area [-]."""
 GAP_M = 0.5
 """Between two walls that are unfolded."""
+OF_BODIES = "wall", "across_inertia", "offset", "depth"
 OF_CONTACTS = "joint_wall", "y", "place", "axes", "reach"
-"""Fields of a Space with a row a contact point."""
+"""Fields of a Space with a row a body, or a contact point."""
+JOIST_PA, JOIST_M2 = 9e9, 0.075 * 0.2
+"""Modulus of the timber of anchored joists, C18 of EN 338, and their section."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +43,11 @@ class Space:
     """Where the bodies and contact points of a house are, z upwards and the ground at z = 0.
 
     house: House; left: x of the left end of each unfolded wall (n_walls,) [m]; drift_bodies,
-    drift_height: of each wall, as of its Layout.
+    drift_height: of each wall, as of its Layout; ground_left, ground_right: ends of each support
+    along the heading, from the middle of the plan's axes (n_supports,) [m].
     wall: number of that of a body (n_bodies,); across_inertia: about the axes along the wall and
-    upwards (n_bodies, 2) [kg m2]; joint_wall: number of that of a contact point, -1 between two
+    upwards (n_bodies, 2) [kg m2]; offset: of its centre from the wall's middle plane, and depth
+    across the wall (n_bodies,) [m]; joint_wall: number of that of a contact point, -1 between two
     (n_contacts,); y: its place from the middle plane of its (second) wall [m]; place: in the house
     (n_contacts, 3) [m]; axes: its normal, the tangent of a wall's shear, and the other one
     (n_contacts, 3, 3); reach: from there to the bodies' inside along the normal (n_contacts,) [m].
@@ -46,8 +57,12 @@ class Space:
     left: np.ndarray
     drift_bodies: list
     drift_height: np.ndarray
+    ground_left: np.ndarray
+    ground_right: np.ndarray
     wall: np.ndarray
     across_inertia: np.ndarray
+    offset: np.ndarray
+    depth: np.ndarray
     joint_wall: np.ndarray
     y: np.ndarray
     place: np.ndarray
@@ -63,14 +78,23 @@ class Space:
         return found
 
     @property
+    def ground(self):
+        """The Supports along the heading, from where the house begins."""
+        start = self.ground_left.min()
+        return Supports(self.ground_left - start, self.ground_right - start)
+
+    @property
     def of_body(self):
         """Axes of each body's wall: along it, across and upwards, (n_bodies, 3, 3)."""
         return np.array([one.axes for one in self.house.walls])[self.wall]
 
     def centres(self, bodies):
         """Of the bodies in the house, (n_bodies, 3) [m]."""
-        local = np.column_stack([bodies.x, np.zeros(len(bodies)), bodies.z])
-        return _placed(self.house, self.left, self.wall, local)
+        return _placed(self.house, self.left, self.wall, self.unfolded(bodies))
+
+    def unfolded(self, bodies):
+        """Centres of the bodies in their unfolded walls (n_bodies, 3) [m]."""
+        return np.column_stack([bodies.x, self.offset, bodies.z])
 
     def arms(self, bodies, body):
         """From the centres of these bodies, one of each contact point, to that, in axes of their
@@ -124,12 +148,12 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     """
     parts = [
         lay_out(one.wall, options, scatter=scatter, seed=seed + 1000 * number)
-        for number, one in enumerate(house.walls)
+        for number, one in enumerate(house.bearing)
     ]
+    parts = list(map(_below_slab, parts))
     options = parts[0].options
     for what, refused in (
         ("--bricks deformable", options.bricks != "rigid"),
-        ("--supports bricks", options.supports != "one"),
         ("--soil", options.soil != "rigid"),
     ):
         if refused:
@@ -138,14 +162,18 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
                 " out"
             )
     layout = _together(house, parts)
+    for floor in house.floors:
+        if floor.kind == "concrete":
+            layout = _with_slab(layout, floor)
     met = {tuple(sorted(map(house.names.index, one.walls))): one.kind for one in house.corners}
-    dropped = np.zeros(len(layout.bodies), bool)
+    making_room = np.full(len(layout.bodies), GROUND)
     for pair in combinations(range(len(parts)), 2):
-        dropped |= _making_room(layout, *pair, met.get(pair))
-    layout = _without(layout, dropped)
+        making_room = np.maximum(making_room, _making_room(layout, *pair, met.get(pair)))
+    layout = _without(_with_loads(layout, making_room), making_room >= 0)
     for pair in met:
         layout = _joined_at(layout, *pair)
-    return layout
+    _check_slabs(layout)
+    return _with_joists(layout)
 
 
 # --- together -------------------------------------------------------------------------------------
@@ -157,14 +185,16 @@ def _together(house, parts):
     left = np.append(0.0, np.cumsum(lengths + GAP_M))[:-1]
     first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
     thickness, bodies, contacts = house.masonry.brick.thickness, [], []
-    for part, start, offset in zip(parts, left, first_body):
+    one = parts[0].options.supports == "one"
+    below = np.append(0, np.cumsum([0 if one else len(part.supports) for part in parts]))
+    for part, start, offset, ground in zip(parts, left, first_body, below):
         table = part.contacts
         bodies.append(replace(part.bodies, x=part.bodies.x + start))
         contacts.append(
             replace(
                 table,
                 x=table.x + start,
-                first=np.where(table.first < 0, GROUND, table.first + offset),
+                first=np.where(table.first < 0, table.first - ground, table.first + offset),
                 second=table.second + offset,
             )
         )
@@ -181,7 +211,7 @@ def _together(house, parts):
     share = np.tile(SHARES, len(places))
     table = replace(
         table,
-        first=np.where(table.first < 0, GROUND, new[table.first]),
+        first=np.where(table.first < 0, table.first, new[table.first]),
         second=new[table.second],
         length=table.length * share,
         area=table.area * share,
@@ -201,13 +231,26 @@ def _together(house, parts):
     local = np.column_stack([table.x, y, table.z])
     ends = np.stack([np.maximum(table.first, 0), table.second])
     half = np.where(table.upright, body.length[ends].min(axis=0), house.masonry.brick.height) / 2
+    supports = Supports(
+        *(
+            np.concatenate([getattr(p.supports, end) + at for p, at in zip(parts, left)])
+            for end in ("left", "right")
+        )
+    )
+    ground = _along_heading(house, parts, left, supports)
+    if one:
+        supports = Supports(np.array([0.0]), left[-1:] + lengths[-1:])
+        ground = ground[0].min(keepdims=True), ground[1].max(keepdims=True)
     space = Space(
         house,
         left,
         [new[part.drift_bodies + offset] for part, offset in zip(parts, first_body)],
         np.array([part.drift_height for part in parts]),
+        *ground,
         wall,
         _across_inertia(body, thickness),
+        np.zeros(len(body)),
+        np.full(len(body), thickness),
         joint_wall,
         y,
         _placed(house, left, joint_wall, local),
@@ -224,9 +267,24 @@ def _together(house, parts):
         n_joints=3 * int((~is_glue).sum()),
         drift_bodies=np.concatenate(space.drift_bodies),
         drift_height=float(space.drift_height.mean()),
-        supports=Supports(np.array([0.0]), left[-1:] + lengths[-1:]),
+        supports=supports,
         space=space,
     )
+
+
+def _along_heading(house, parts, left, supports):
+    """Ends along the heading (n_supports,) [m] of Supports below unfolded walls, each as thick as
+    its wall."""
+    turn = np.radians(house.heading)
+    heading = np.round([np.cos(turn), np.sin(turn), 0.0], 15)
+    wall = np.repeat(np.arange(len(parts)), [len(part.supports) for part in parts])
+    y = house.masonry.brick.thickness / 2
+    corners = [
+        _placed(house, left, wall, np.column_stack([x, 0 * x + side, 0 * x])) @ heading
+        for x in (supports.left, supports.right)
+        for side in (-y, y)
+    ]
+    return np.min(corners, axis=0), np.max(corners, axis=0)
 
 
 def _across_inertia(bodies, thickness):
@@ -237,6 +295,116 @@ def _across_inertia(bodies, thickness):
     return (bodies.inertia / third)[:, None] * own
 
 
+# --- floors ---------------------------------------------------------------------------------------
+
+
+def _below_slab(part):
+    """The Layout of a wall, its drift that of the course below a slab on its top."""
+    bodies = part.bodies
+    if bodies.course[part.drift_bodies[0]] != SLAB_COURSE:
+        return part
+    below = bodies.z[: part.n_bricks].max() - TINY
+    drift = np.flatnonzero(bodies.z[: part.n_bricks] > below)
+    return replace(part, drift_bodies=drift, drift_height=float(bodies.z[drift].mean()))
+
+
+def _with_slab(layout, floor):
+    """The Layout with the strips of a concrete floor as one body."""
+    space, bodies, contacts = layout.space, layout.bodies, layout.contacts
+    house = space.house
+    walls = house.carrying(floor)
+    strip = Floor(floor.level, 1.0, kind="concrete", depth=floor.depth)
+    z = sum(strip.courses(walls[0].wall)) / 2 * layout.wall.brick.height
+    strips = (bodies.course == SLAB_COURSE) & (np.abs(bodies.z - z) < TINY)
+    strips &= np.isin(space.wall, [house.walls.index(one) for one in walls])
+    slab, number = np.flatnonzero(strips)[0], house.walls.index(walls[0])
+    low, high = outline(walls)
+    length, across = high - low
+    x, y = (low + high) / 2 - walls[0].axes[:2, :2] @ walls[0].origin
+    height = bodies.height[slab]
+    mass = floor.mass_per_area * length * across
+    own = {
+        "x": x + space.left[number],
+        "length": length,
+        "mass": mass,
+        "inertia": mass * (length**2 + height**2) / 12,
+    }
+    sizes = across**2 + np.array([height, length]) ** 2
+    of = {"offset": y, "depth": across, "across_inertia": mass * sizes / 12}
+
+    def put(table, values):
+        found = {name: getattr(table, name).copy() for name in values}
+        for name, value in values.items():
+            found[name][slab] = to_bits(value)
+        return replace(table, **found)
+
+    body = np.where(strips, slab, np.arange(len(bodies)))
+    first = np.where(contacts.first < 0, contacts.first, body[contacts.first])
+    contacts = replace(contacts, first=first, second=body[contacts.second])
+    layout = replace(layout, bodies=put(bodies, own), contacts=contacts, space=put(space, of))
+    strips[slab] = False
+    return _without(layout, strips)
+
+
+def _check_slabs(layout):
+    """Raise InputError for bodies in the way of a concrete floor."""
+    space, house = layout.space, layout.space.house
+    for slab in np.flatnonzero(space.depth > layout.wall.brick.thickness + TINY):
+        low, high = _boxes(layout, space.wall[slab])
+        common = np.minimum(high, high[slab]) - np.maximum(low, low[slab])
+        for body in np.flatnonzero((common > TINY).all(axis=1)):
+            if body != slab:
+                place = space.centres(layout.bodies)[body]
+                raise InputError(
+                    f"house {house.name}, floor at {high[slab, 2]:g} m: wall"
+                    f" {house.names[space.wall[body]]} is in its way at"
+                    f" ({place[0]:.3f}, {place[1]:.3f}, {place[2]:.3f}) m: expected it among the"
+                    " floor's walls, or a wall that ends below; correct it"
+                )
+
+
+def _with_joists(layout):
+    """The Layout with bars for anchored joists, behind all other contact points."""
+    space, found = layout.space, []
+    for floor in space.house.floors:
+        walls = space.house.carrying(floor)
+        for span in floor.spans(walls) if floor.anchor_spacing else ():
+            n = int(np.ptp(span.along) / floor.anchor_spacing + TINY)
+            for share in (np.arange(n) + 0.5) / max(n, 1):
+                found += _joist(layout, floor, span, share)
+    if not found:
+        return layout
+    first, second, apart, place, axes = map(np.array, zip(*found))
+    area = np.full(len(found), JOIST_M2)
+    stiffness = JOIST_PA / apart
+    return _with_points(
+        layout,
+        len(layout.contacts),
+        Points(CAP, first, second, place, axes, apart / 2, area, stiffness, 1e-6 * stiffness),
+    )
+
+
+def _joist(layout, floor, span, share):
+    """[(both bodies, distance, place and axes of the bar)] of a joist at this share of a Span, none
+    where it ends in an opening."""
+    space, bodies, height = layout.space, layout.bodies, layout.wall.brick.height
+    z, found, ends = (round(floor.level / height) - 0.5) * height, [], []
+    on_course = (np.abs(bodies.z - z) < bodies.height / 2) & (bodies.course != SLAB_COURSE)
+    for one, (left, right) in ((span.one, span.along), (span.other, span.other_along)):
+        number = space.house.walls.index(one)
+        facing = one.axes[0] @ span.one.axes[0] > 0
+        along = left + (right - left) * (share if facing else 1 - share)
+        away = np.abs(bodies.x - space.left[number] - along) - bodies.length / 2
+        found.append(np.flatnonzero(on_course & (space.wall == number) & (away < TINY)))
+        ends.append(np.array([*(one.origin + along * one.axes[0, :2]), z]))
+    if not (len(found[0]) and len(found[1])):
+        return []
+    normal = (ends[1] - ends[0]) / span.apart
+    up = np.array([0.0, 0.0, 1.0])
+    axes = np.array([normal, up, np.cross(normal, up)])
+    return [(found[0][0], found[1][0], span.apart, (ends[0] + ends[1]) / 2, axes)]
+
+
 # --- corners --------------------------------------------------------------------------------------
 
 
@@ -244,22 +412,30 @@ def _common(layout, one, other):
     """Boxes that the bodies of two walls at right angles have in common, in axes of the first:
     lowest and highest corners (n_pairs, 3) [m], turned inside out where two are apart, both bodies
     (n_pairs,), and the centres' distances (n_pairs, 3)."""
-    space, bodies = layout.space, layout.bodies
-    thick = np.full(len(bodies), layout.wall.brick.thickness)
-    size = np.column_stack([bodies.length, thick, bodies.height])
-    size[space.wall == other] = size[space.wall == other][:, [1, 0, 2]]
-    centre = space.centres(bodies) @ space.house.walls[one].axes.T
-    low, high = centre - size / 2, centre + size / 2
-    i, j = (np.flatnonzero(space.wall == number) for number in (one, other))
+    space = layout.space
+    low, high = _boxes(layout, one)
+    centre, own = (low + high) / 2, space.depth < layout.wall.brick.thickness + TINY
+    i, j = (np.flatnonzero((space.wall == number) & own) for number in (one, other))
     i, j = (index.ravel() for index in np.meshgrid(i, j, indexing="ij"))
     common = np.maximum(low[i], low[j]), np.minimum(high[i], high[j])
     return *common, i, j, centre[j] - centre[i]
 
 
+def _boxes(layout, wall):
+    """Lowest and highest corners of all bodies, of walls at right angles, in the axes of this wall,
+    twice (n_bodies, 3) [m]."""
+    space, bodies = layout.space, layout.bodies
+    axes = space.house.walls[wall].axes
+    size = np.column_stack([bodies.length, space.depth, bodies.height])
+    half = np.abs(np.einsum("nij,ni,kj->nk", space.of_body, size / 2, axes))
+    centre = space.centres(bodies) @ axes.T
+    return centre - half, centre + half
+
+
 def _making_room(layout, one, other, kind):
-    """Which bodies (n_bodies,) make room for those of another wall; kind: of their corner, None
-    without one."""
-    space, dropped = layout.space, np.zeros(len(layout.bodies), bool)
+    """The body of another wall for which each makes room (n_bodies,), GROUND of those that stay;
+    kind: of their corner, None without one."""
+    space, dropped = layout.space, np.full(len(layout.bodies), GROUND)
     house, walls = space.house, space.house.walls
     where = f"house {house.name}, walls {house.names[one]} and {house.names[other]}"
     if abs(walls[one].axes[0] @ walls[other].axes[0]) > TINY:
@@ -296,17 +472,35 @@ def _making_room(layout, one, other, kind):
                 " the other, in turn by courses; make bricks twice as long as thick, base_course"
                 ' "half" of one, and give --top uniform, as caps overlap'
             )
-        dropped[a if halves[a] else b] = True
+        half, whole = (a, b) if halves[a] else (b, a)
+        dropped[half] = whole
     return dropped
+
+
+def _with_loads(layout, making_room):
+    """The Layout with what bodies that make room carried on those in their place."""
+    space, bodies, brick = layout.space, layout.bodies, layout.wall.brick
+    loads = bodies.mass - brick.density * bodies.length * space.depth * bodies.height
+    gone = making_room >= 0
+    more = np.bincount(making_room[gone], loads[gone], len(bodies))
+    more[more < TINY] = 0.0
+    factor = 1 + more / bodies.mass
+    mass, inertia = to_bits(bodies.mass * factor), to_bits(bodies.inertia * factor)
+    return replace(
+        layout,
+        bodies=replace(bodies, mass=mass, inertia=inertia),
+        space=replace(space, across_inertia=space.across_inertia * factor[:, None]),
+    )
 
 
 def _without(layout, drop):
     """The Layout without these bodies (n_bodies,) and their contact points."""
     space, contacts, kept = layout.space, layout.contacts, ~drop
-    new = np.append(np.cumsum(kept) - 1, GROUND)
+    ground = np.arange(len(layout.supports))
+    new = np.append(np.cumsum(kept) - 1, GROUND - ground)
     ends = [rows(end, len(drop)) for end in (contacts.first, contacts.second)]
-    stay = np.append(kept, True)[ends].all(axis=0)
-    drift = [new[one[kept[one]]] for one in space.drift_bodies]
+    stay = np.append(kept, ground >= 0)[ends].all(axis=0)
+    drift = [new[_remaining(layout, one, kept)] for one in space.drift_bodies]
     return replace(
         layout,
         bodies=_taken(layout.bodies, kept),
@@ -317,10 +511,18 @@ def _without(layout, drop):
         space=replace(
             space,
             drift_bodies=drift,
-            **{name: getattr(space, name)[kept] for name in ("wall", "across_inertia")},
+            **{name: getattr(space, name)[kept] for name in OF_BODIES},
             **{name: getattr(space, name)[stay] for name in OF_CONTACTS},
         ),
     )
+
+
+def _remaining(layout, bodies, kept):
+    """Those of a wall's drift that are kept (n,), else all that are kept of their course."""
+    if kept[bodies].any():
+        return bodies[kept[bodies]]
+    alike = layout.bodies.course == layout.bodies.course[bodies[0]]
+    return np.flatnonzero(kept & alike & (layout.space.wall == layout.space.wall[bodies[0]]))
 
 
 def _joined_at(layout, one, other):
@@ -348,36 +550,59 @@ def _joined_at(layout, one, other):
             (joint.shear_stiffness, brick.shear_modulus),
         )
     ]
-    end = np.zeros(len(first), int)
-    local = (place - [*space.house.walls[one].origin, 0.0]) @ axes.T
+    kind, n = np.where(normal == 2, BED, HEAD), layout.n_joints
+    points = Points(kind, first, second, place, turned, distance / 2, area, *stiffness)
+    strength = joint.tensile_strength, joint.cohesion
+    return replace(_with_points(layout, n, points, one, strength), n_joints=n + len(first))
+
+
+class Points(NamedTuple):
+    """Contact points between walls, as the fields of Contacts and of a Space."""
+
+    kind: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    place: np.ndarray
+    axes: np.ndarray
+    reach: np.ndarray
+    area: np.ndarray
+    normal_stiffness: np.ndarray
+    shear_stiffness: np.ndarray
+
+
+def _with_points(layout, n, points, wall=0, strength=(np.inf, np.inf)):
+    """The Layout with these points between two walls, unfolded with this one, from row n on;
+    strength: tensile strength and cohesion [Pa]."""
+    space, end = layout.space, np.zeros(len(points.first), int)
+    one, place = space.house.walls[wall], points.place
+    local = (place - [*one.origin, 0.0]) @ one.axes.T
     added = Contacts(
-        np.where(normal == 2, BED, HEAD),
-        first,
-        second,
-        local[:, 0] + space.left[one],
+        points.kind + end,
+        points.first,
+        points.second,
+        local[:, 0] + space.left[wall],
         place[:, 2],
-        area / brick.thickness,
-        area,
-        *stiffness,
-        end > 0,
-        end + joint.tensile_strength,
-        end + joint.cohesion,
+        points.area / layout.wall.brick.thickness,
+        points.area,
+        points.normal_stiffness,
+        points.shear_stiffness,
+        end + strength[0] == np.inf,
+        end + strength[0],
+        end + strength[1],
         end + np.inf,
         end + GROUND,
         end + GROUND,
     )
-    n = layout.n_joints
     more = {
         "joint_wall": end - 1,
         "y": local[:, 1],
         "place": place,
-        "axes": turned,
-        "reach": distance / 2,
+        "axes": points.axes,
+        "reach": points.reach,
     }
     return replace(
         layout,
         contacts=_inserted(layout.contacts, n, added),
-        n_joints=n + len(end),
         space=replace(
             space,
             **{

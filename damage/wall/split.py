@@ -17,15 +17,16 @@ under the shear stress tau and the stress sigma_v across the bed joints, compres
 
     tau = f_t sqrt(1 + sigma_v / f_t),    tau = 1.15 V / (t h)
 
-(`damage.law.joint_law.diagonal_tension`).  W. Mann and H. Müller (1982, Proc. Br. Ceram. Soc. 30,
-223-235) have 2.3 times the mean shear stress of a wall there, whose head joints bear none, so that
-V / (t h) is twice that mean: 2.3 / 2 = 1.15.  Plane elasticity of such a brick gives 1.16 at a
-height of 0.28 of the length, 1.08 at 0.5, 1.02 at 0.65, and 1.16 to 1.12 where the stress on it
-varies linearly. The points bear the mean V / (t h).  Under horizontal stress sigma_x, tension
-positive, the principal stress has tau falling by 1/2 sqrt(1 + sigma_v / f_t) / 1.15 of it at first,
-0.43 to 0.75 for sigma_v up to 2 f_t; the points fall by tan(phi).  sigma_v is the mean of the four
-bed joints' contact points next to the cut, above and below on both sides: the stress at mid-height
-comes from half a brick's height to either side of it.  It changes at samples.
+(`damage.law.joint_law.diagonal_tension`).  In the model of W. Mann and H. Müller (1982, Proc. Br.
+Ceram. Soc. 30, 223-235; known from T. Bakeer's notes, TU Dresden, 2012) head joints bear no shear,
+so that V / (t h) is twice a wall's mean; that the stress there is 2.3 times the mean, 2 * 1.15, is
+quoted from memory.  Plane elasticity of such a brick gives 1.16 at a height of 0.28 of the length,
+1.08 at 0.5, 1.02 at 0.65, and 1.16 to 1.12 where the stress on it varies linearly.  The points bear
+the mean V / (t h).  Under horizontal stress sigma_x, tension positive, the principal stress has tau
+falling by 1/2 sqrt(1 + sigma_v / f_t) / 1.15 of it at first, 0.43 to 0.75 for sigma_v up to 2 f_t;
+the points fall by tan(phi).  sigma_v is the mean of the four bed joints' contact points next to the
+cut, above and below on both sides: the stress at mid-height comes from half a brick's height to
+either side of it.  It changes at samples.
 
 **After that** a cut softens as a joint does, of fracture energy G in either mode: a diagonal crack
 opens.  Without G it is brittle.  It has the friction of the joints, and does not crush.  The shear

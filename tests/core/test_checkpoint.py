@@ -6,10 +6,11 @@ import signal
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, SHORT, one_line_error, written
+from conftest import REPOSITORY, SHORT, one_line_error, wall_file, written
 
 import damage
 from benchmarks.same_bits import differences, values
+from damage.law.joint_law import ContactState
 from damage.reference.session import run_reference
 from damage.run import run as run_module
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
@@ -20,7 +21,9 @@ SMALL = "walls/variants/small.py"
 OFTEN = ("--checkpoint", "0.001")
 TOP_SHARE = (SMALL, "--pushover", "0.02", "--floor-share", "0.6", "1", "--no-pictures")
 SHAKE = (SMALL, "--harmonic", "0.06", "0.6", "--rest", "0.1", "--no-pictures", "--quiet")
+KAPPA = ContactState._fields.index("kappa")
 LOOSE = 0.4e-3  # opening [m] from which bricks collide in YADE
+SPLITS = ("split.py", "--pushover", "0.05", "--boundary", "fixed", "--speed", "0.03")
 RUNS = {
     "settled": (
         "--settle",
@@ -30,6 +33,7 @@ RUNS = {
         "--stresses",
     ),
     "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
+    "split": (*SPLITS, "--no-pictures", "--quiet"),
     "spread": (*TOP_SHARE, "--relaxation", "local", "--quiet"),
     "falling": (
         SMALL,
@@ -63,16 +67,19 @@ SOFT = (
 )
 WALLS = {
     "soft.toml": SOFT,  # the other's steps are repeated, with less and without mass scaling
+    "split.py": "Wall('split', 0.675, 0.225, brick=Brick(tensile_strength=2e5, fracture_energy=6),"
+    " joint=Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0))",
     "window.toml": f"{SOFT}[[openings]]\nleft = 0.3\nwidth = 0.3\nheight = 0.3\nsill = 0.15\n",
 }
 
 
-def words_of(name, folder):
+def words_of(words, folder):
     """The words of a run; its wall is in the folder where it does not ship."""
-    first, *more = RUNS[name] or [""]
+    first, *more = words or [""]
     if first in WALLS:
-        return [written(folder / first, WALLS[first]), *more]
-    return RUNS[name] if first == SMALL else (*SHAKE, *RUNS[name])
+        write = wall_file if first.endswith(".py") else written
+        return [write(folder / first, WALLS[first]), *more]
+    return words if first == SMALL else (*SHAKE, *words)
 
 
 def in_a_child(words, looks=None, name=signal.SIGKILL):
@@ -105,7 +112,7 @@ def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
     """The n-th process is killed, or every third interrupted, at its look 4, 5, 6, ...: in the
     static stage, too."""
     monkeypatch.chdir(REPOSITORY)
-    words, whole, cut = words_of(name, tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
+    words, whole, cut = words_of(RUNS[name], tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
     # here: the children find all compiled
     assert run_reference([*map(str, words), "--out", str(whole)]) == 0
     assert not checkpoint_path(whole).exists()
@@ -245,15 +252,26 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(kills, tmp_path, yade_com
 @pytest.mark.yade
 @pytest.mark.long
 @pytest.mark.parametrize(
-    "words", [(SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures"), TOP_SHARE]
+    "words",
+    [
+        (SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures"),
+        TOP_SHARE,
+        (*SPLITS, "--no-pictures", "--bricks", "deformable", "--brick-cells", 4),
+    ],
+    ids=["held top", "spreader beam", "cells that split"],
 )
-def test_what_acts_on_a_pushed_top_continues_in_yade(words, tmp_path, yade_command):
+def test_what_acts_on_a_pushed_wall_continues_in_yade(words, tmp_path, yade_command):
     """What acts on a brick that is held, or of a spreader beam, is added between two steps, and is
-    in the checkpoint, too."""
+    in the checkpoint, too; so are cuts through bricks that soften."""
+    words = words_of(words, tmp_path)
     assert yade_command(*SHORT, *words, "--out", tmp_path / "whole.h5").returncode == 0
     cut = tmp_path / "cut.h5"
+    time_s = 0.03 if "--speed" in words else 0.02
     assert (
-        yade_command(*SHORT, "KILLED_AT=0.02", *words, "--out", cut).returncode == -signal.SIGKILL
+        yade_command(*SHORT, f"KILLED_AT={time_s}", *words, "--out", cut).returncode
+        == -signal.SIGKILL
     )
+    kappa = read_checkpoint(checkpoint_path(cut))["splitting.states"][:, KAPPA]
+    assert ("--speed" in words) == bool((kappa > 0.0).any())
     assert yade_command(*SHORT, *words, "--resume", cut).returncode == 0
     assert differences(values(tmp_path / "whole.h5"), values(cut)) == []

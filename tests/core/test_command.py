@@ -14,6 +14,7 @@ from conftest import run_command, wall_file, written
 from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
 from damage.commands.table import COMMANDS, PROGRAMS
+from damage.draw import run as pictures
 from damage.history.reader import read_history
 from damage.mechanics import compiled
 from damage.run.options import make_parser
@@ -107,6 +108,7 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
     record = written(tmp_path / "pulse.csv", "time_s,acc_m_s2\n0,0\n0.001,1\n0.002,0\n")
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
+    monkeypatch.setattr(pictures, "PICTURES", {"drift": pictures.drift_picture})  # one of six
     out = tmp_path / "a.h5"
     assert (
         main(

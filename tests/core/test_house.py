@@ -1,18 +1,24 @@
 """Houses as data, and their layouts, beside plane walls, beam theory and what must be refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
-from damage.law.modes import natural_modes
+import damage
+from damage.law.modes import natural_modes, stiffness_matrix
 from damage.wall.file import load_wall
-from damage.wall.house import Corner, House, Placed, read_house
+from damage.wall.floors import Floor
+from damage.wall.house import Corner, Diaphragm, House, Placed, read_house
+from damage.wall.kinds import SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.space import lay_out_house
+from damage.wall.space import JOIST_M2, JOIST_PA, lay_out_house
 
 BOX = REPOSITORY / "houses/box.toml"
+TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
 ASHLAR = {"height": 0.4, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
 
 
@@ -57,6 +63,21 @@ def test_toothed_walls_share_their_corners_and_are_joined():
     assert natural_modes(layout, 1).period_s[0] > 0
 
 
+def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_piers():
+    door = damage.Opening(left=0.4, width=0.8, height=0.8)
+    one = Wall("one", 1.6, openings=(door,), lintel="concrete", **ASHLAR | {"height": 1.2})
+    other = Wall("other", 1.2, base_course="half", **ASHLAR | {"height": 1.2})
+    places = (
+        Placed(one),
+        *(Placed(replace(other, name=name), (x, -0.1), 90) for name, x in (("l", 0.1), ("r", 1.5))),
+    )
+    house = House("u", places, [Corner(("one", name), "toothed") for name in "lr"])
+    layout = lay_out_house(house)
+    top = layout.space.drift_bodies[0]
+    assert len(top) > 0
+    assert set(layout.bodies.course[top]) == {5} and set(layout.space.wall[top]) == {0}
+
+
 _BASES = (("one", "whole"), ("other", "half"))
 
 
@@ -66,6 +87,12 @@ def _box(tmp_path, old, new):
     text = BOX.read_text()
     assert old in text
     return written(tmp_path / "house.toml", text.replace(old, new, 1))
+
+
+def _floor(level, one, other, kind="timber"):
+    """Words of the box, and the same behind a floor on two of its walls."""
+    floor = f'level = {level}\nwalls = ["{one}", "{other}"]\nkind = "{kind}"\nmass_per_area = 400'
+    return "[[corners]]", f"[[floors]]\n{floor}\n[[corners]]"
 
 
 @pytest.mark.parametrize(
@@ -78,7 +105,11 @@ def _box(tmp_path, old, new):
         ('"toothed"', '"butted"', "expected an end at a face of a butted corner"),
         ("direction = 90", "direction = 80", "another than a right angle"),
         ('name = "right"', 'name = "left"', "two walls named left"),
-        ('name = "box"', 'name = "box"\nfloors = 1', "has the key floors: expected one of name"),
+        ('name = "box"', 'name = "box"\nroofs = 1', "has the key roofs: expected one of name"),
+        (*_floor(2.6, "left", "right"), "takes courses 13 to 13 of 10"),
+        (*_floor(1, "front", "left"), "floor at 1 m: walls front and left: expected"),
+        (*_floor(1, "left", "attic"), "expected two or more of its walls, front"),
+        (*_floor(1, "left", "right", "concrete"), "front is in its way at (0.200, 0.000, 0.900) m"),
         ("[0.1, -0.1]", "[0.1]", "expected [x, y] in m"),
         ('"side.toml"', '"sode.toml"', "no such wall file"),
         (
@@ -104,3 +135,57 @@ def test_walls_of_other_masonry_or_of_the_plane_alone_are_refused():
         "soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50)
     )
     assert "fracture energies" in one_line_error(House, "h", [Placed(soft)])
+
+
+def _condensed(layout, onto):
+    """Stiffness of a layout with no load elsewhere, of the coordinates of one body."""
+    full = stiffness_matrix(layout).toarray()
+    of_each = len(full) // len(layout.bodies)
+    kept = np.arange(of_each * onto, of_each * (onto + 1))
+    rest = np.setdiff1d(np.arange(len(full)), kept)
+    by_rest = np.linalg.solve(full[np.ix_(rest, rest)], full[np.ix_(rest, kept)])
+    return (full[np.ix_(kept, kept)] - full[np.ix_(kept, rest)] @ by_rest)[:3, :3]
+
+
+def test_a_slab_makes_walls_share_a_push_by_their_stiffness():
+    """A push on the slab moves all walls alike, so that stiffnesses add up to that of the house,
+    and mass is that of the whole slab."""
+    walls = [Wall(name, wide, **TALL) for name, wide in (("a", 0.8), ("b", 1.6), ("c", 0.8))]
+    placed = [Placed(one, (-one.length / 2, y)) for one, y in zip(walls, (0, 2, 4))]
+    slab = Diaphragm(0.8, ("a", "b", "c"), 400, "concrete", 0.2)
+    house = lay_out_house(House("three", placed, floors=[slab]))
+    number = int(np.flatnonzero(house.bodies.course == SLAB_COURSE)[0])
+    strip = Floor(0.8, 1.0, kind="concrete", depth=0.2)
+    single = [lay_out(replace(one, floors=(strip,))) for one in walls]
+    alone = [_condensed(one, one.n_bricks) for one in single]
+    assert_allclose(_condensed(house, number), sum(alone), rtol=1e-6, atol=1e-6 * alone[1].max())
+    shares = [(one @ np.linalg.solve(sum(alone), [1.0, 0, 0]))[0] for one in alone]
+    assert_allclose(sum(shares), 1)
+    assert shares[1] > 2 * shares[0]
+    assert_allclose(house.bodies.mass[number], 400 * 1.6 * 4.2, rtol=1e-6)
+
+
+def test_timber_floors_load_parallel_walls_by_half_their_spans_and_anchors_tie_them():
+    """The middle wall bears half of both spans; where one end wall moves away by a metre, each
+    joist takes EA/L."""
+    walls = [Placed(Wall(name, 1.6, **TALL), (0, y)) for name, y in (("a", 0), ("b", 2), ("c", 5))]
+    floor = Diaphragm(0.8, ("a", "b", "c"), 50)
+    free, tied, bare = (
+        lay_out_house(House("three", walls, floors=floors))
+        for floors in ([floor], [replace(floor, anchor_spacing=0.5)], [])
+    )
+    more = [np.sum((free.bodies.mass - bare.bodies.mass)[free.space.wall == k]) for k in range(3)]
+    assert_allclose(more, 50 * 1.6 * np.array([1, 2.5, 1.5]), rtol=1e-6)
+    away = np.zeros((len(free.bodies), 6))
+    away[free.space.wall == 2, 3] = 1.0
+    held, loose = (away.ravel() @ stiffness_matrix(one) @ away.ravel() for one in (tied, free))
+    assert_allclose(held - loose, 3 * JOIST_PA * JOIST_M2 / 3, rtol=1e-4)
+
+
+def test_the_terraced_house_that_ships_weighs_what_its_floors_bring():
+    """A slab on its whole plan in place of a course of the ring below it, and a roof between the
+    middles of the party walls."""
+    house = read_house(BOX.with_name("terraced.toml"))
+    more = 450 * 4.5 * 5.0 + 80 * 4.25 * 5.0 - 1900 * 0.25 * (4.5 * 5.0 - 4.0 * 4.5)
+    found = [lay_out_house(one).total_mass for one in (house, replace(house, floors=()))]
+    assert_allclose(found[0] - found[1], more, rtol=1e-6)

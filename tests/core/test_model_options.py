@@ -62,6 +62,7 @@ def test_figures_and_evidence_know_every_choice():
         "soil_shear",
         "footing",
         "soil_velocity",
+        "inputs",
     } == USUAL_MODEL.keys() & SHAPE.keys()
     assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
     assert choice({**USUAL_MODEL, "strength_cov": 0.3}) == "strength_cov 0.3"

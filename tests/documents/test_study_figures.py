@@ -72,15 +72,20 @@ def write_study(folder, rows, loading="harmonic"):
         names.append(
             [f"{point['point']}_{member}_{point['solver']}" for member in range(point["members"])]
         )
-        drift = 1e-3 * np.sin(2 * np.pi * np.arange(21) / 6 - 0.2)  # a cycle of 60 ms
-        history = make_history(
-            folder / "runs" / f"{names[-1][0]}.h5",
-            loading=point.get("record", loading),
-            drift=drift,
-            opening={0: 2e-4 * (np.arange(21) > 8)},
-            at_limit=(3,),
-        )
-        write_table(index_table(history), folder / "tables" / f"{names[-1][0]}_index.csv")
+        history = folder / "runs" / f"{point.get('record', loading)}.h5"  # alike but for its motion
+        table = folder / "tables" / f"{history.stem}.csv"
+        if not history.exists():
+            drift = 1e-3 * np.sin(2 * np.pi * np.arange(21) / 6 - 0.2)  # a cycle of 60 ms
+            made = make_history(
+                history,
+                loading=history.stem,
+                drift=drift,
+                opening={0: 2e-4 * (np.arange(21) > 8)},
+                at_limit=(3,),
+            )
+            write_table(index_table(made), table)
+        shutil.copy(history, history.with_stem(names[-1][0]))
+        shutil.copy(table, table.with_stem(f"{names[-1][0]}_index"))
     runs = points.assign(run=names).explode("run").assign(members=1)
     write_table(points, folder / "tables" / "points.csv")
     write_table(runs, folder / "tables" / "summary.csv")

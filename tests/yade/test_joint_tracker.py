@@ -1,5 +1,7 @@
 """The tracker that YADE's runs use sees, from samples, what the joint law knows exactly."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -13,10 +15,12 @@ from damage.law.joint_law import (
     advance,
     material_of,
 )
+from damage.wall.house import Diaphragm, House, Placed
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Joint, Wall
+from damage.wall.parameters import Brick, Joint, Wall
+from damage.wall.space import lay_out_house
 from yade_scripts.joint_tracker import JointTracker
 
 FIVE_FIFTY = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
@@ -179,3 +183,16 @@ def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
         shares @ [state.fracture_work for state in states] * area,
         rtol=2e-3,
     )
+
+
+def test_no_joint_ends_on_a_slab_that_lies_on_two_walls():
+    """Bricks of the second wall are far from the slab where walls are unfolded."""
+    wall = Wall("a", 0.8, 0.8, precompression=0, brick=Brick(0.4, 0.2, 0.2))
+    walls = [Placed(replace(wall, name=name), (0, y)) for name, y in (("a", 0), ("b", 1))]
+    slab = Diaphragm(0.6, ("a", "b"), 300, "concrete")
+    layout = lay_out_house(House("pair", walls, floors=[slab]))
+    tracker, every = JointTracker(layout, 1e-4), np.arange(layout.n_joints)
+    for joint in every:
+        tracker.breaks(joint, "shear", -1e4, 1e5)
+    tracker.sample(every, *np.outer([-1e-6, 2e-3, 0.0], np.ones(len(every))))
+    assert not tracker.ended.any()

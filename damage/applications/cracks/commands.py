@@ -188,7 +188,13 @@ def _compare_survey(asked, paths):
         )
     found = []
     for history in map(read_history, runs):
+        history.check_one_layer()
         layout = lay_out(history.masonry_wall, history.model)
+        if len(history.joints) != layout.n_joints:
+            raise InputError(
+                f"compare of {history.path} with a survey: expected a wall of all its bricks, those"
+                " in toothed corners are of the other wall; give a wall by itself"
+            )
         survey = read_survey(surveys[0], layout)
         opening, offset = history.opening_m[-1], history.slip_by("displacement")[-1]
         found.append({"run": str(history.path)} | beside(survey, opening, offset, layout))

@@ -53,6 +53,8 @@ def crack_report(asked):
     elif Path(asked.source).suffix == ".h5" or h5py.is_hdf5(asked.source):
         _only_with("a history", asked, without=("wall", "tolerance_mm", "margin_mm"))
         history = read_history(asked.source)
+        if asked.export:
+            history.check_one_layer()
         samples = choose_samples(history, ("max,end" if asked.at is None else asked.at).split(","))
         report = history_report(history, samples, export=asked.export, **limits)
         drawn = asked.out and history_drawn(history, samples, limits["threshold"])

@@ -17,10 +17,13 @@ from PIL import Image
 
 from damage.applications.report.packing import fewer_colours
 from damage.draw import style
+from damage.draw.house import LINES, Perspective, legend_of
+from damage.draw.house import magnification as house_magnification
 from damage.draw.run import THIN, draw_wall, joint_handles, show_all
 from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
 from damage.errors import InputError
 from damage.files import whole_or_nothing
+from damage.measure.house import largest_index
 from damage.wall.geometry import body_corners
 
 
@@ -50,6 +53,8 @@ MOST_FRAMES = 300
 """Largest number of frames, about six seconds of a run; a GIF keeps all of them in memory, a
 megabyte each."""
 DOTS_PER_INCH = 150
+MOST_TURN_DEG = 3.0
+"""Largest turn of the eye about a house from frame to frame [deg]."""
 
 
 def write_film(history, path, window_s=None, magnify=None):
@@ -108,20 +113,20 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
             f"--window {start:g} {end:g} holds {len(chosen)} snapshots; expected up to {most}, give"
             " a shorter one"
         )
-    top = series["time_s"].iloc[int(history.index()["DI"].to_numpy().argmax())]
+    top = series["time_s"].iloc[int(largest_index(history).argmax())]
     first = int(np.clip(np.argmin(np.abs(times - top)) - most // 2, 0, len(chosen) - most))
     return chosen[first : first + most]
 
 
 @style.styled
 def _shoot(history, snapshots, magnify, writer, path):
-    damage, times = history.index()["DI"].to_numpy(), history.series["time_s"].to_numpy()
+    times = history.series["time_s"].to_numpy()
     samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
-    magnify = _common_magnification(history, snapshots) if magnify is None else magnify
-    figure, show = _stage(history, snapshots, samples, magnify)
+    stage = _house_stage if history.is_house else _stage
+    figure, show = stage(history, snapshots, samples, magnify)
     with writer.saving(figure, path, DOTS_PER_INCH):
         for sample, snapshot in zip(samples, snapshots):
-            show(shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot))
+            show(sample, snapshot)
             writer.grab_frame()
 
 
@@ -132,7 +137,9 @@ def _common_magnification(history, snapshots):
 
 
 def _stage(history, snapshots, samples, magnify):
-    """The figure, and a function that draws a WallShape in it."""
+    """The figure, and a function that draws a sample and snapshot in it."""
+    magnify = _common_magnification(history, snapshots) if magnify is None else magnify
+    damage = history.index()["DI"].to_numpy()
     gravest = wall_shape(history, "max", magnify=magnify)
     figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
     draw_wall(wall, gravest)
@@ -150,21 +157,61 @@ def _stage(history, snapshots, samples, magnify):
         style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels
     )
     clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
-    times, words = history.snapshot_time_s[snapshots], f"displacements × {magnify:g}"
-    mark = _draw_below(below, history, samples, times[-1])
-    if len(times) > 1:
-        words += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
-    style.add_title(figure, history, words)
+    mark = _draw_below(below, history, samples, history.snapshot_time_s[snapshots[-1]])
+    style.add_title(figure, history, _pace(history, snapshots, magnify))
     style.legend_below(figure, joint_handles(gravest), columns=3)
-    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
-        figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # from now on only the wall moves
+    _fix(figure)
     drawn = {one.get_label(): one for one in wall.collections}
 
-    def show(shape):
+    def show(sample, snapshot):
+        shape = shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot)
         _update(drawn, replace(shape, widest_pt=gravest.widest_pt))
         clock.set_text(f"{shape.time_s:.3f} s, DI {shape.index:.3f}")
         mark.set_xdata([shape.time_s, shape.time_s])
+
+    return figure, show
+
+
+def _pace(history, snapshots, magnify):
+    """Words on the magnification, and on how much slower than the run the film is."""
+    times, words = history.snapshot_time_s[snapshots], f"displacements × {magnify:g}"
+    if len(times) > 1:
+        words += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
+    return words
+
+
+def _fix(figure):
+    """Lay a figure out, once: from now on only what is in its axes moves."""
+    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+
+
+def _house_stage(history, snapshots, samples, magnify):
+    """As `_stage`, of a house in perspective, about which the eye goes, once at most."""
+    figure, (above, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 1.6))
+    seen = Perspective(above, history, (72 * style.COLUMN_WIDTH,) * 2)
+    magnify = house_magnification(seen.space, snapshots) if magnify is None else magnify
+    step = min(MOST_TURN_DEG, 360 / len(snapshots))
+    turn = dict(zip(snapshots, seen.azimuth + step * np.arange(len(snapshots))))
+    ratio = seen.fit(np.arange(0, 360, 15))
+    figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5) * 1.35)
+    clock = above.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
+    time_s, damage = history.series["time_s"].to_numpy(), largest_index(history)
+    for part, (colour, line) in zip(history.parts, LINES):
+        below.plot(time_s, part.index()["DI"], color=colour, ls=line, label=part.wall)
+    below.set(xlabel="time [s]", ylabel="DI [-]", ylim=(0, None))
+    below.set_xlim(time_s[samples[0]], max(time_s[samples[-1]], time_s[samples[0]] + 1e-9))
+    mark = below.axvline(time_s[samples[0]], color=style.DARK, lw=1)
+    style.add_title(figure, history, _pace(history, snapshots, magnify))
+    handles = [*below.get_lines()[:-1], *legend_of(history, int(damage.argmax()), seen.widest_pt)]
+    style.legend_below(figure, handles, columns=3)
+    _fix(figure)
+
+    def show(sample, snapshot):
+        seen.show(sample, snapshot, magnify, turn[snapshot])
+        clock.set_text(f"{time_s[sample]:.3f} s, largest DI {damage[sample]:.3f}")
+        mark.set_xdata([time_s[sample]] * 2)
 
     return figure, show
 

@@ -223,7 +223,7 @@ extend(
             "--export",
             "DIR",
             "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
-            "coefficients with units, arrays",
+            "coefficients with units",
         )
     ),
 )

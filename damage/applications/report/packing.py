@@ -43,16 +43,16 @@ def quantised(values):
     return np.round(values / step).astype("i2"), step
 
 
-def fewer_colours(image):
-    """A Pillow image in 64 colours, rare ones as well: a third as large as a file."""
+def fewer_colours(image, colours=64):
+    """A Pillow image in fewer colours, rare ones as well; in 64 a third as large as a file."""
     return image.convert("RGB").quantize(
-        64, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+        colours, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
     )
 
 
-def as_png(figure, dots_per_inch=150):
-    """A matplotlib Figure as PNG of 64 colours in base64."""
+def as_png(figure, dots_per_inch=150, colours=64):
+    """A matplotlib Figure as PNG of so many colours in base64."""
     held, small = io.BytesIO(), io.BytesIO()
     figure.savefig(held, format="png", dpi=dots_per_inch, bbox_inches="tight")
-    fewer_colours(Image.open(held)).save(small, "PNG", optimize=True)
+    fewer_colours(Image.open(held), colours).save(small, "PNG", optimize=True)
     return base64.b64encode(small.getvalue()).decode("ascii")

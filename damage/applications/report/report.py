@@ -8,6 +8,7 @@ from pathlib import Path
 from jinja2.utils import htmlsafe_json_dumps
 
 from damage.applications.report.charts import RUN_STYLES, over_time, states_legend
+from damage.applications.report.house_part import house_part
 from damage.applications.report.run_part import run_part
 from damage.applications.report.study_part import (
     BELOW,
@@ -26,6 +27,7 @@ from damage.errors import InputError
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
 from damage.index import THRESHOLD
+from damage.measure.summary import summarise
 from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
@@ -111,7 +113,19 @@ def page(files, folders, words=Words()):
             " the folder of their study"
         )
     studies = [study for folder in folders for study in studies_below(folder)]
-    runs = [run_part(*one, words.language) for one in zip(map(read_history, files), LETTERS)]
+    histories = [read_history(path) for path in files]
+    walls = [part for history in histories for part in history.parts]
+    if len(walls) > len(LETTERS):  # of a large house no wall by itself
+        walls = [history for history in histories if not history.is_house]
+    runs = [run_part(*one, words.language) for one in zip(walls, LETTERS)]
+    known = {run["history"].path: run["summary"] for run in runs}
+    houses = [
+        house_part(
+            history, {one.wall: known.get(one.path) or summarise(one) for one in history.parts}
+        )
+        for history in histories
+        if history.is_house
+    ]
     parts = [study_part(folder) for folder in studies]
     drawn = {
         "runs": [{"letter": run["letter"], **run["drawn"]} for run in runs],
@@ -126,6 +140,7 @@ def page(files, folders, words=Words()):
             runs=runs,
             language=words.language,
             words=partial(texts, words.language),
+            houses=houses,
             studies=parts,
             of_folders=[
                 {
@@ -150,8 +165,8 @@ def page(files, folders, words=Words()):
                 if run["first"]
             ]
             + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]],
-            title=words.title or _title(runs, parts),
-            subject=_title(runs, parts) if words.title else "",
+            title=words.title or _title(houses, runs, parts),
+            subject=_title(houses, runs, parts) if words.title else "",
             author=words.author,
             paragraphs=words.paragraphs,
             measures=measures(runs) if runs else [],
@@ -172,7 +187,9 @@ def page(files, folders, words=Words()):
     )
 
 
-def _title(runs, studies):
+def _title(houses, runs, studies):
+    if len(houses) == 1 and not studies:
+        return houses[0]["title"]
     if studies:
         return ", ".join(f"study {part['name']}" for part in studies)
     return runs[0]["title"] if len(runs) == 1 else f"{len(runs)} runs side by side"

@@ -25,6 +25,7 @@ import numpy as np
 import pandas as pd
 
 from damage.files import whole_or_nothing
+from damage.history.in_space import InSpace
 from damage.history.moments import check_samples, joint_states, nearest_snapshot, support_motion
 from damage.history.reader import History
 from damage.measure.brick_stress import principal_stresses
@@ -54,7 +55,8 @@ def write_vtkhdf(history, path):
     check_samples(history)
     content = io.BytesIO()  # HDF5 itself cannot be left in order once a write has failed
     with h5py.File(content, "w") as file:
-        _fill(file.create_group("VTKHDF"), WallCells(history))
+        cells = HouseCells if history.is_house else WallCells
+        _fill(file.create_group("VTKHDF"), cells(history))
     with whole_or_nothing(path) as unfinished:
         unfinished.write_bytes(content.getbuffer())
     return Path(path)
@@ -290,6 +292,45 @@ class WallCells:
                     (of_joints, self.history.joints),
                 )
             ]
+        )
+
+
+class HouseCells(WallCells):
+    """The same of a house, in space; rotations are those in the planes of the walls."""
+
+    @cached_property
+    def points(self):
+        """As of WallCells."""
+        return self._placed(-1)
+
+    def displacement(self, snapshot):
+        """As of WallCells."""
+        return (self._placed(snapshot) - self.points).astype(np.float32)
+
+    @cached_property
+    def fixed(self):
+        """As of WallCells, and wall: number of it, -1 of joints between two."""
+        house = self.history.house
+        return super().fixed | {"wall": self._joined(house.body_wall, house.joint_wall)}
+
+    @cached_property
+    def numbers(self):
+        """As of WallCells, but the index, its components, drift along and displacement across of
+        each wall, under its name."""
+        found = self.history.series[list(SERIES)].reset_index(drop=True)
+        for part in self.history.parts:
+            index = part.index().drop(columns=["time_s", "drift_over_limit"])
+            index["drift_ratio"] = part.series["drift_ratio"].to_numpy()
+            index["across_m"] = part.house.across_m[:, 0]
+            found = found.join(index.add_suffix(f"_{part.wall}"))
+        taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
+        return found.assign(snapshot_time_s=taken)
+
+    def _placed(self, snapshot):
+        """Points in the house in a snapshot, (n_points, 3) [m]; -1: at rest."""
+        space, snapshot = InSpace(self.history), None if snapshot < 0 else snapshot
+        return np.concatenate(
+            [places(snapshot).reshape(-1, 3) for places in (space.corners, space.ends)]
         )
 
 

@@ -83,19 +83,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
     ]
     return finish(
         figure,
-        [
-            Line2D([], [], color="0.3", label="lognormal fit to all records"),
-            Line2D(
-                [],
-                [],
-                color="0.3",
-                marker="o",
-                ls="",
-                ms=3,
-                label="share of the runs at one intensity",
-            ),
-            *bands,
-        ],
+        [*fit_handles("lognormal fit to all records", "runs"), *bands],
         columns=2,
     )
 
@@ -133,6 +121,29 @@ def few_note(n_records):
     )
 
 
+def fit_handles(fit, samples):
+    """Legend entries in grey: words of the curve, and of the shares that it is fitted to."""
+    return [
+        Line2D([], [], color="0.3", label=fit),
+        Line2D(
+            [],
+            [],
+            color="0.3",
+            marker="o",
+            ls="",
+            ms=3,
+            label=f"share of the {samples} at one intensity",
+        ),
+    ]
+
+
+def draw_shares(ax, exceed, intensity, style):
+    """Mark the share that exceeds at each intensity; style: of STYLES."""
+    colour, marker, _ = style
+    shares = exceed.groupby(intensity).mean()
+    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
+
+
 def _bands(one, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that there are."""
     new, both = one.new_record, one.bounds(x, "both")
@@ -148,8 +159,7 @@ def _draw(ax, x, runs, one, style, intensity):
     """Shares, curve and bounds of one level; returns the legend's entry, and the names of the bands
     drawn."""
     colour, marker, line = style
-    shares = exceeding(runs, one.measure, one.level).groupby(runs[intensity]).mean()
-    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
+    draw_shares(ax, exceeding(runs, one.measure, one.level), runs[intensity], style)
     words, bands = (one.name and f"{one.name}: ") + f"> {one.level:g}", {}
     if np.isfinite(one.median):
         ax.plot(x, one.probability(x), color=colour, ls=line)

@@ -88,7 +88,7 @@ class Pool:
 
     def __init__(self, jobs, work, lock, folder, say, watch=lambda runs: None):
         """work: what each of them does, `damage.applications.studies.worker.work`; lock: descriptor
-        that solvers hold as long as they run; say(line): prints a line; watch(runs): told now and
+        that solvers hold as long as they run; say(line): prints a line; watch(runs): gets now and
         then how much of the runs under way is simulated, in runs."""
         self._watch = watch
         self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say

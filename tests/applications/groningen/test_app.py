@@ -38,7 +38,7 @@ width = 0.45
 height = 0.3
 sill = 0.15
 """
-CRACK = {"points": [[0.02, 0.1], [0.3, 0.3]], "width_mm": 0.4, "offset": "no"}
+CRACK = {"label": "A", "points": [[0.02, 0.1], [0.3, 0.3]], "width_mm": 0.4, "offset": "no"}
 HERE = f"127.0.0.1:{PORT}"
 
 
@@ -275,8 +275,45 @@ def test_a_photograph_is_straightened_by_corners_of_the_outline(client):
     assert found["corners"] == [[0, 0], [1.125, 0], [1.125, 0.6], [0, 0.6]]
     pixels = [[0, 9], [9, 9], [9, 0], [0, 0]]
     places = [[0, 0], [1.125, 0], [1.125, 0.75], [0, 0.75]]
-    said = refused(client, "straighten", pixels=pixels, places=places)
+    said = refused(client, "straighten", pixels=pixels, places=places, openings=[])
     assert "(1.125, 0.75) m; expected corners of the front's outline" in said
+
+
+def test_a_photograph_whose_openings_are_elsewhere_is_refused(client):
+    """The window is from 0.3375 to 0.7875 m and 0.15 to 0.45 m; a course has 0.075 m, 40 pixels."""
+    done(client, "front", text=FRONT)
+    assert call(client, "photograph", exif_photo(700, 400))[0] == 200
+    pixels = np.array([[50, 370], [650, 370], [650, 50], [50, 50]])
+    given = {
+        "pixels": pixels.tolist(),
+        "places": [[0, 0], [1.125, 0], [1.125, 0.6], [0, 0.6]],
+    }
+    window = np.array([[230, 290], [470, 130]])
+    assert "no opening of the photograph" in refused(client, "straighten", **given, openings=[])
+    assert done(client, "straighten", **given, openings=[window.tolist()])["file"]
+    for off in ((45, 0), (0, -45)):
+        said = refused(client, "straighten", **given, openings=[(window + off).tolist()])
+        assert "lies more than a course from each of the front" in said
+    _, answer = call(client, "straighten", given | {"openings": []}, **{"Accept-Language": "nl"})
+    assert answer["error"].startswith("er is op de foto geen opening aangewezen")
+
+
+def test_a_front_is_edited_as_a_drawing(client, tmp_path):
+    found = done(client, "front", text=FRONT, kept=False)
+    assert not (tmp_path / "out/house.toml").exists() and found["course"] == 0.075
+    assert found["openings"] == [[0.3375, 0.15, 0.7875, 0.45]]
+    table = found["table"] | {
+        "precompression": 0,
+        "outline": [[0, 0.6], [0.5625, 0.75], [1.125, 0.6]],
+    }
+    table |= {"height": 0.75, "floors": [{"level": 0.6, "mass": 300}]}
+    edited = done(client, "sketch", table=table)
+    assert edited["floors"] == [0.6] and edited["outline"][3] == [0.5625, 0.75]
+    assert (tmp_path / "out/house.toml").read_text() == edited["text"]
+    table["openings"][0]["left"] = 0.01
+    assert "opening 1" in refused(client, "sketch", table=table)
+    size = done(client, "size", latitude=53.36786, longitude=6.71359, units=[1, 1])
+    assert size["contact_points"] == edited["contact_points"] and size["minutes"][0] >= 1
 
 
 def test_four_points_straighten_a_photograph():
@@ -513,7 +550,7 @@ def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
     """Whole numbers, areas whose corners were given the other way round."""
     monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
     done(client, "front", text=FRONT)
-    other = {"points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
+    other = {"label": "B", "points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
     done(
         client,
         "survey",
@@ -522,7 +559,12 @@ def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
     )
     state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
     survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}
-    done(client, "start", **START, shown={"front": state["house"], "levels": "", "survey": survey})
+    done(
+        client,
+        "start",
+        **START,
+        shown={"front": state["front"]["text"], "levels": "", "survey": survey},
+    )
 
 
 def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatch):
@@ -578,7 +620,9 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path, monkey
     assert desk.start(**start)["running"]
     refused_with("running already", desk.start, **start)
     until = time.monotonic() + 120
-    while not any("expected: 400 runs of 200 draws" in line for line in desk.progress()["lines"]):
+    while not any(
+        "x 200 draws" in line or "x 200 trekkingen" in line for line in desk.progress()["lines"]
+    ):
         assert time.monotonic() < until and desk.running, desk.progress()
         time.sleep(0.2)
     assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])

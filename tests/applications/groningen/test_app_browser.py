@@ -4,22 +4,31 @@ narrow, dark, languages.
 `bash scripts/browser.sh` installs what these need and runs them.
 """
 
+import base64
+import io
 import re
 import threading
+import time
 
+import numpy as np
 import pytest
 from conftest import IN_BROWSER, written
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
+from PIL import Image, ImageDraw
 from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
-from test_app import FRONT, exif_photo
+from test_app import FRONT
 
 from benchmarks.report_in_browser import screenshot
+from damage.applications.cracks.crack_file import read_cracks
 from damage.applications.groningen.app.desk import words
+from damage.applications.groningen.app.photo import MARGIN_M, homography
 from damage.applications.groningen.app.server import make_app
+from damage.measure.cracks import ends_of
 
 pytestmark = IN_BROWSER
 TOKEN, ROOT = "a token of the test", "/room"
@@ -108,56 +117,178 @@ def silent(driver):
     assert {url for url in asked if not url.startswith("http://127.0.0.1:")} == set()
 
 
-def test_from_a_photograph_to_the_sheet(page, tmp_path):
-    driver, _ = page
+LENGTH, EAVES, RIDGE = 2.2, 1.2, 1.8
+WINDOW = 0.88, 0.3, 1.32, 0.9
+CRACKS = {"A": [(0.44, 0.15), (0.88, 0.45)], "B": [(1.32, 0.9), (1.54, 1.2)]}
+"""A gabled front, its window (left, lower, right, upper edge) and its cracks [m]."""
+
+
+def photographed():
+    """(JPEG of that front seen at an angle, with red cracks, function from places on it [m] to
+    pixels)."""
+    corners = np.array([[0, 0], [LENGTH, 0], [LENGTH, EAVES], [0, EAVES]], float)
+    seen = np.array([[120, 800], [1060, 730], [1000, 330], [160, 290]], float)
+    to_pixels = homography(corners, seen)
+
+    def at(places):
+        u, v, w = to_pixels @ np.column_stack([places, np.ones(len(places))]).T
+        return [tuple(map(float, point)) for point in zip(u / w, v / w)]
+
+    picture = Image.new("RGB", (1200, 900), (120, 150, 190))
+    pen = ImageDraw.Draw(picture)
+    pen.polygon(at([*corners[:3], (LENGTH / 2, RIDGE), corners[3]]), fill=(178, 160, 140))
+    left, low, right, upper = WINDOW
+    pen.polygon(at([(left, low), (right, low), (right, upper), (left, upper)]), fill=(30, 30, 40))
+    for points in CRACKS.values():
+        pen.line(at(points), fill=(250, 0, 0), width=5)
+    file = io.BytesIO()
+    picture.save(file, "JPEG", quality=95)
+    return file.getvalue(), at
+
+
+def red_ends(path):
+    """Both ends [m] of each red line in a straightened picture, from left to right."""
+    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    z, x = np.nonzero((pixels[..., 0] > 150) & (pixels[..., 1:].max(axis=2) < 90))
+    places = np.column_stack([x, len(pixels) - z]) * (LENGTH + 2 * MARGIN_M) / pixels.shape[1]
+    places -= MARGIN_M
+    lines = [places[places[:, 0] < 1.1], places[places[:, 0] >= 1.1]]
+    return [[line[line[:, 0].argmin()], line[line[:, 0].argmax()]] for line in lines]
+
+
+def fill_in(driver, name, text):
+    """Type over what a field has, and leave it."""
+    by(driver, name).send_keys(Keys.CONTROL, "a")
+    by(driver, name).send_keys(text, Keys.TAB)
+
+
+def draw_front(driver):
+    """The gabled front, as a drawing that begins with a wall without openings."""
+    by(driver, "tab-text").click()
+    write(driver, "front-text", FRONT.replace('lintel = "timber"\n', "").partition("[[")[0])
+    press(driver, "use-front", "said-front")
+    by(driver, "tab-drawing").click()
+    for name, value in zip(("load", "length", "eaves", "ridge"), (0, LENGTH, EAVES, RIDGE)):
+        fill_in(driver, f"wall-{name}", str(value).replace(".", ","))
+    by(driver, "add-opening").click()
+    left, low, right, upper = WINDOW
+    sizes = {"height": upper - low, "sill": low, "width": right - left, "left": left}
+    for name, value in sizes.items():
+        fill_in(driver, f"part-{name}", f"{value:g}")
+    by(driver, "add-floor").click()
+    fill_in(driver, "part-mass", "6000")
+    wait_for(driver, "said-front", "2.2 × 1.8 m", "2,2 × 1,8 m")
+
+
+def straighten(driver, path):
+    """The photograph by four corners, and two of the window."""
+    photo, at = photographed()
+    by(driver, "photo-file").send_keys(str(written(path, photo)))
+    WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
+    corners = [(0, 0), (LENGTH, 0), (LENGTH, EAVES), (0, EAVES)]
+    for x, y in at([*corners, WINDOW[:2], WINDOW[2:]]):
+        click_at(driver, "photo", x / 1200, 1 - y / 900)
+    assert press(driver, "straighten", "said-photo") == WORDS["straightened"]["nl"]
+
+
+def draw_cracks(driver, folder):
+    """The red lines of the straight photograph, put on joints; within 5 cm of their places."""
+    wide, high = LENGTH + 2 * MARGIN_M, RIDGE + 2 * MARGIN_M
+    for ends in red_ends(folder / "straight.jpg"):
+        for x, z in ends:
+            click_at(driver, "front", (x + MARGIN_M) / wide, (z + MARGIN_M) / high)
+        by(driver, "finish").click()
+    said = press(driver, "put-on-joints", "said-cracks")
+    assert re.match(r"\d+ % van \d,\d+ m scheuren ligt op voegen", said)
+    (pattern,) = read_cracks(folder / "survey.csv")
+    for label, points in CRACKS.items():
+        line = pattern.stretches[pattern.stretches["crack"] == label]
+        assert np.abs(ends_of(line)[0] - points).max() < 0.05
+
+
+def test_from_an_empty_page_to_the_dutch_sheet_with_a_photograph(page, tmp_path):
+    driver, app = page
+    driver.get(app.address.partition("?")[0] + "?language=nl")
+    ready(driver)
     write(driver, "latitude", "53.36786")
     write(driver, "longitude", "6,71359")
-    assert "ends on 2022-01-26" in press(driver, "show-earthquakes", "said-address")
-    assert (
-        by(driver, "said-address")
-        .find_element("tag name", "strong")
-        .value_of_css_property("font-weight")
-        == "700"
-    )
+    assert "eindigt op 2022-01-26" in press(driver, "show-earthquakes", "said-address")
     assert len(driver.find_elements("css selector", "#earthquakes tbody tr")) == 8
-    write(driver, "front-text", FRONT)
-    assert "1.125 × 0.6 m" in press(driver, "use-front", "said-front")
-    photo = written(tmp_path / "photo.jpg", exif_photo())
-    by(driver, "photo-file").send_keys(str(photo))
-    WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
-    for across, up in ((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8)):
-        click_at(driver, "photo", across, up)
-    assert press(driver, "straighten", "said-photo") == WORDS["straightened"]["en"]
-    for across, up in ((0.12, 0.3), (0.35, 0.6)):
-        click_at(driver, "front", across, up)
-    by(driver, "finish").click()
-    assert len(driver.find_elements("css selector", "#drawn tbody tr")) == 1
-    said = press(driver, "put-on-joints", "said-cracks")
-    assert re.match(r"100 % of 0\.\d+ m of cracks lies on joints", said)
+    draw_front(driver)
+    straighten(driver, tmp_path / "photo.jpg")
+    draw_cracks(driver, tmp_path / "claim")
     screenshot(driver, tmp_path / "page.png")
     Select(by(driver, "settle")).select_by_value("hogging")
+    Select(by(driver, "units")).select_by_value("2 2")
     write(driver, "draws", "2")
     by(driver, "start").click()
-    WebDriverWait(driver, 240).until(
-        lambda driver: by(driver, "said-compute").text not in ("", WORDS["running"]["en"])
+    WebDriverWait(driver, 400).until(
+        lambda driver: WORDS["running"]["nl"] not in by(driver, "said-compute").text != ""
     )
-    assert by(driver, "said-compute").text == WORDS["done"]["en"], by(driver, "log").text
+    log = driver.execute_script("return document.getElementById('log').textContent")
+    assert by(driver, "said-compute").text == WORDS["done"]["nl"], log
     silent(driver)
     by(driver, "sheet").click()
     driver.switch_to.window(driver.window_handles[-1])
-    assert (
-        "Cracks in a front" in driver.title and "mm" in driver.find_element("tag name", "body").text
-    )
+    assert "Scheuren in een gevel" in driver.title
+    assert "Geen antwoord" in driver.find_element("tag name", "body").text
+    pdf = driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"]
+    assert re.findall(rb"/Count (\d+)", base64.b64decode(pdf)) == [b"1"]
     driver.close()
     driver.switch_to.window(driver.window_handles[0])
-    assert {path.name for path in (tmp_path / "claim").iterdir()} == {
-        "house.toml",
-        "photo.jpg",
-        "straight.jpg",
-        "survey.csv",
-        "claim.log",
-        "claim",
-    }
+    names = {"house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
+    assert {path.name for path in (tmp_path / "claim").iterdir()} == names
+
+
+def wait_for(driver, name, *texts):
+    """Wait until one of these texts is in a place."""
+    until = time.monotonic() + 20
+    while not any(text in by(driver, name).text for text in texts):
+        assert time.monotonic() < until, by(driver, name).text
+        time.sleep(0.1)
+
+
+def test_what_is_drawn_can_be_moved_is_checked_and_outlives_a_reload(page):
+    driver, _ = page
+    write(driver, "front-text", FRONT)
+    press(driver, "use-front", "said-front")
+    write(driver, "width", "x")
+    assert by(driver, "width").get_attribute("aria-invalid") == "true"
+    assert by(driver, "said-cracks").text == WORDS["bad_width"]["en"]
+    write(driver, "width", "0,4")
+    for across, up in ((0.2, 0.3), (0.4, 0.5)):
+        click_at(driver, "front", across, up)
+    by(driver, "finish").click()
+    Select(by(driver, "tool")).select_by_value("move")
+    drag(driver, "front", (0.4, 0.5), (0.5, 0.7))
+    # the window, as wide as 0.4 of the front, by a quarter of a brick along it and two courses up
+    canvas = by(driver, "sketch")
+    drag(driver, "sketch", (0.5, 0.5), (0.5, 0.7))
+    wait_for(driver, "said-front", "Front house")
+    canvas.send_keys(Keys.ARROW_RIGHT)
+    said = driver.execute_script("return [cracks, table.openings]")
+    time.sleep(1)
+    driver.refresh()
+    ready(driver)
+    assert driver.execute_script("return [cracks, table.openings]") == said
+    (crack,), (window,) = said
+    assert crack["label"] == "A" and crack["width_mm"] == 0.4
+    assert crack["points"][1] == pytest.approx([0.5 * 1.325 - 0.1, 0.7 * 0.8 - 0.1], abs=0.02)
+    assert window["sill"] == pytest.approx(0.3) and window["left"] > 0.3375
+    silent(driver)
+
+
+def drag(driver, name, start, end):
+    """Drag on a canvas between shares of its width and height, from below left."""
+    canvas = by(driver, name)
+    driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+    size, chain = canvas.size, ActionChains(driver)
+    places = [
+        (round((x - 0.5) * size["width"]), round((0.5 - up) * size["height"]))
+        for x, up in (start, end)
+    ]
+    chain.move_to_element_with_offset(canvas, *places[0]).click_and_hold()
+    chain.move_to_element_with_offset(canvas, *places[1]).release().perform()
 
 
 def test_a_page_of_another_site_gets_nothing(page):

@@ -4,6 +4,8 @@ yade tests/yade/checks/space.py block              a dry block rocks about an ed
 yade tests/yade/checks/space.py box                four walls stay symmetric
 yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
                                                    these horizontal accelerations [g] in turn
+yade tests/yade/checks/space.py tilt               a house turns with its ground
+yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
 """
 
 import json
@@ -15,20 +17,22 @@ from pathlib import Path
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))  # YADE does not look here by itself
 
 import numpy as np
+from scipy.sparse.linalg import spsolve
 from yade import O, Quaternion, Vector3
 
-from damage.law.modes import natural_modes
+from damage.law.modes import natural_modes, stiffness_matrix
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
-from damage.wall.house import Corner, House, Placed
+from damage.wall.house import Corner, Diaphragm, House, Placed
+from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.space import lay_out_house
 from yade_scripts.solver import YadeSolver
 
 
-def solver_of(house):
+def solver_of(house, options=None):
     """Its YadeSolver, at rest, with a step of a third of the critical one."""
-    layout = lay_out_house(house)
+    layout = lay_out_house(house, options)
     return YadeSolver(layout, natural_modes(layout, 1).critical_time_step_s / 3)
 
 
@@ -69,9 +73,10 @@ def block():
 
 
 def box():
-    """A box of four walls, toothed, without weight, 400 steps after its base began to move along x:
-    largest displacement [m], what mirrored bricks differ by over it, and kinetic and elastic energy
-    over the work that came in."""
+    """A box of four walls, toothed, with a slab and anchored joists, without weight, 400 steps
+    after its base began to move along x: largest displacement [m], what mirrored bricks differ by
+    over it, kinetic and elastic energy over the work that came in, and momentum [N s] beside the
+    impulse of the ground and of the inertia forces."""
     brick = Brick(length=0.4, height=0.2, thickness=0.2)
     joint = Joint(tensile_strength=1e6, cohesion=1e6)
     common = {"length": 1.2, "height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
@@ -83,14 +88,22 @@ def box():
     corners = [
         Corner((one.wall.name, other.wall.name), "toothed") for one in fronts for other in sides
     ]
-    solver, seen = solver_of(House("box", fronts + sides, corners)), []
+    names = tuple(one.wall.name for one in fronts + sides)
+    floors = [
+        Diaphragm(0.4, names, 300, "concrete"),
+        Diaphragm(0.8, ("left", "right"), 50, anchor_spacing=0.4),
+    ]
+    solver, seen = solver_of(House("box", fronts + sides, corners, floors)), []
     base = np.zeros((401, 3))
     base[:, 0] = GRAVITY * np.sin(2 * np.pi * np.arange(401) / 200)
     solver.start(base, np.zeros(1))
-    solver.advance(400, 10, lambda now: seen.append(now) or True)
+    solver.advance(400, 1, lambda now: seen.append(now) or True)
     now, layout = seen[-1], solver.layout
     moved = np.column_stack([now.displacement[0], now.out_of_plane[0]])
     moved = np.einsum("ni,nij->nj", moved[:, [0, 3, 1]], layout.space.of_body)
+    force = np.array([one.support_force[0, 0, 0] for one in seen])
+    force += layout.total_mass * base[:, 0][: len(force)]
+    speed = np.array([state.vel[0] for state in solver.scene.states])
     place = layout.space.centres(layout.bodies)
     mirrored = place * [1, -1, 1] + [0, 1.0, 0]
     twin = [np.abs(place - one).sum(axis=1).argmin() for one in mirrored]
@@ -99,24 +112,125 @@ def box():
         "largest_m": float(size),
         "asymmetry": float(np.abs(moved[twin] * [1, -1, 1] - moved).max() / size),
         "balance": float((now.kinetic_j + now.elastic_j)[0] / now.input_j[0]),
+        "momentum": float(layout.bodies.mass @ speed),
+        "impulse": -O.dt * float(np.sum(force[1:-1]) + force[0] / 2),
+    }
+
+
+def front_between(joint):
+    """The House of a front between two side walls, which moves across it."""
+    brick = Brick(length=0.4, height=0.2, thickness=0.2, density=2000)
+    common = {"height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
+    front = Wall("front", 1.2, **common)
+    sides = [Wall(name, 1.0, base_course="half", **common) for name in ("left", "right")]
+    return House(
+        "corner",
+        [Placed(front)] + [Placed(one, (x, -0.1), 90) for one, x in zip(sides, (0.1, 1.1))],
+        [Corner(("front", one.name), "toothed") for one in sides],
+        heading=90,
+    )
+
+
+def tilt():
+    """What bodies and joints of two walls below a slab are off a rigid rotation, which the ground
+    and they have at first, about a place before the house and across its heading of 30 degrees:
+    displacement, and opening or shear, over the largest displacement [-]."""
+    brick = Brick(length=0.4, height=0.2, thickness=0.2)
+    joint = Joint(tensile_strength=1e6, cohesion=1e6)
+    common = {"length": 0.8, "height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
+    walls = [Placed(Wall(name, **common), (0, y)) for name, y in (("a", 0), ("b", 1))]
+    slab = Diaphragm(0.8, ("a", "b"), 300, "concrete", 0.2)
+    house = House("pair", walls, floors=[slab], heading=30)
+    solver = solver_of(house, ModelOptions(supports="bricks"))
+    layout, scene, rate = solver.layout, solver.scene, 1e-3
+    axis = np.array([*scene.push_axis])
+    about = rate * np.cross(axis, [0.0, 0.0, 1.0])
+    start, of_body = layout.space.ground_left.min() * axis, layout.space.of_body
+    place = layout.space.centres(layout.bodies)
+    speed = np.einsum("nij,nj->ni", of_body, np.cross(about, place - start))
+    along, across, _ = (of_body @ about).T
+    solver.set_velocities(
+        np.column_stack([speed[:, 0], speed[:, 2], -across, speed[:, 1], along, 0 * along])
+    )
+    solver.start(NO_MOTION, np.zeros(1))
+    ground = layout.ground.x
+    solver.move_supports(np.column_stack([0 * ground, rate * ground, rate + 0 * ground]))
+    solver.advance(400)
+    expected = 400 * O.dt * np.cross(about, place - start)
+    moved = np.array([tuple(state.pos) for state in scene.states]) - place
+    opening, shear = scene.displacements(np.arange(layout.n_joints), solver._supports)
+    largest = np.abs(expected).max()
+    return {
+        "moved": float(np.abs(moved - expected).max() / largest),
+        "opening": float(max(np.abs(opening).max(), np.abs(shear).max()) / largest),
+    }
+
+
+def elastic_stresses(layout, direction):
+    """Normal stress, and both shear stresses, of all joints under forces of the size of the bodies'
+    weight in this direction in the house (n_joints, 3) [Pa]."""
+    space, contacts = layout.space, layout.contacts
+    along, across, up = np.einsum("nij,j->in", space.of_body, direction)
+    force = np.zeros((len(layout.bodies), 6))
+    force[:, [0, 3, 1]] = np.column_stack([along, across, up]) * GRAVITY
+    force *= layout.bodies.mass[:, None]
+    moved = spsolve(stiffness_matrix(layout).tocsc(), force.ravel()).reshape(force.shape)
+    moved = np.vstack([moved, np.zeros(6)])  # the ground
+    found = []
+    for axis, stiffness in enumerate(
+        (contacts.normal_stiffness, contacts.shear_stiffness, contacts.shear_stiffness)
+    ):
+        rows = space.rows(contacts, layout.bodies, axis)
+        apart = [
+            (row * moved[end]).sum(axis=1)
+            for row, end in zip(rows, (contacts.first, contacts.second))
+        ]
+        found.append(stiffness * sum(apart))
+    return np.column_stack(found)[: layout.n_joints]
+
+
+def bonded():
+    """Acceleration [g] at which the first bond fails, its wall, -1 between two, and its place [m],
+    as it grows to 3 g in 0.6 s; and the same by the elastic stresses under it and the weight."""
+    joint = Joint(5e9, 2e9, math.atan(0.7), tensile_strength=2e4, cohesion=3e4)
+    solver = solver_of(front_between(joint))
+    layout, steps = solver.layout, int(0.6 / O.dt)
+    weight, push = (elastic_stresses(layout, one) for one in ([0, 0, -1.0], [0, -1.0, 0]))
+    for least in np.arange(0.0, 3.0, 0.001):
+        normal, *shear = (weight + least * push).T
+        fails = normal > joint.tensile_strength
+        limit = joint.cohesion - np.minimum(normal, 0.0) * math.tan(joint.friction_angle)
+        fails |= np.hypot(*shear) > limit
+        if fails.any():
+            break
+    found = {"elastic": _failure(layout, least, np.flatnonzero(fails)[0])}
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    solver.advance(int(0.05 / O.dt))
+    base = np.zeros((steps, 3))
+    base[:, 0] = 3 * GRAVITY * np.arange(steps) / steps
+    solver.start(base, np.array([GRAVITY]))
+    events = []
+    while not events and solver.clock < steps:
+        solver.advance(50)
+        events = solver.drain_events()
+    step, first, kind, *_ = events[0]
+    return found | {"yade": _failure(layout, 3 * step / steps, first), "kind": kind}
+
+
+def _failure(layout, multiplier, joint):
+    return {
+        "multiplier": float(multiplier),
+        "wall": int(layout.space.joint_wall[joint]),
+        "place": np.round(layout.space.place[joint], 3).tolist(),
+        "upright": bool(layout.contacts.upright[joint]),
     }
 
 
 def corner(*multipliers):
     """Whether a front of 1.2 x 0.8 m between side walls of 1.0 m falls, and how far its top has
     moved [mm] after 0.8 s, under each acceleration, which comes in 0.3 s."""
-    brick = Brick(length=0.4, height=0.2, thickness=0.2, density=2000)
-    joint = Joint(5e9, 2e9, math.atan(0.7), tensile_strength=0, cohesion=0)
-    common = {"height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
-    front = Wall("front", 1.2, **common)
-    sides = [Wall(name, 1.0, base_course="half", **common) for name in ("left", "right")]
-    house = House(
-        "corner",
-        [Placed(front)] + [Placed(one, (x, -0.1), 90) for one, x in zip(sides, (0.1, 1.1))],
-        [Corner(("front", one.name), "toothed") for one in sides],
-        heading=90,
-    )
-    found = {}
+    house, found = front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)), {}
     for multiplier in multipliers:
         solver = solver_of(house)
         solver.damp(local=0.7)
@@ -144,7 +258,9 @@ def corner(*multipliers):
 
 print(
     json.dumps(
-        {"block": block, "box": box, "corner": corner}[sys.argv[1]](*map(float, sys.argv[2:]))
+        {"block": block, "box": box, "corner": corner, "bonded": bonded, "tilt": tilt}[sys.argv[1]](
+            *map(float, sys.argv[2:])
+        )
     )
 )
 sys.stdout.flush()

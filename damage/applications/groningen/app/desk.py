@@ -2,25 +2,33 @@
 folder --out."""
 
 import contextlib
+import hashlib
 import os
+import re
 import signal
 import subprocess
 import sys
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
 
 from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_cracks
 from damage.applications.cracks.survey import read_survey
-from damage.applications.groningen.app.photo import cleaned, rectified
+from damage.applications.groningen.app.photo import cleaned, homography, rectified
+from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
+from damage.applications.groningen.claim.size import size_of
+from damage.applications.groningen.claim.twins import write_twins
 from damage.applications.groningen.exposure.exposure import strongest
 from damage.applications.groningen.exposure.lives import draws_of
 from damage.applications.report.words import LANGUAGES, all_words
-from damage.applications.studies.folder import end_with_parent, environment, open_log
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.folder import ROOT, end_with_parent, environment, open_log
 from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, heard
 from damage.files import write_text
@@ -30,6 +38,7 @@ from damage.wall.file import read_wall, shipped_walls
 from damage.wall.geometry import joint_table, tributary_ends
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
+from damage.wall.new import as_toml
 
 HOUSE, PHOTO, STRAIGHT, SURVEY, LEVELS, LOG = (
     "house.toml",
@@ -55,6 +64,9 @@ EVENTS = 8
 """Earthquakes that the page lists."""
 POINT_ERROR_M = 0.02
 """How far a marked place may be from the corner of the outline that it stands for [m]."""
+BRICKS = [1, 1]
+SHARE = re.compile(r"^\d+ \w+ \d+ \w+, ([\d.]+) %", re.MULTILINE)
+"""Of the log: how much is simulated."""
 TAIL = 12  # lines of the log that the page shows
 
 
@@ -107,13 +119,35 @@ class Desk:
             if path.suffix == ".toml"
         }
 
-    def front(self, text):
-        """The front that a text in TOML describes: its size, bricks and joints, to be drawn."""
+    def front(self, text, kept=True):
+        """The front that a text in TOML describes: its size, bricks and joints, to be drawn, its
+        text and table; kept: whether it is that of the claim from now on."""
         if not isinstance(text, str) or len(text) > MOST_TEXT:
             raise InputError(
                 f"the front: expected up to {MOST_TEXT} characters of TOML; shorten it"
             )
-        return _drawn(self._keep(HOUSE, "the front", text, _laid_out))
+        if kept:
+            return _drawn(self._keep(HOUSE, "the front", text, _laid_out), text)
+        with TemporaryDirectory() as folder:
+            return _drawn(_laid_out(write_text(Path(folder) / HOUSE, text)), text)
+
+    def sketch(self, table):
+        """The front of a table that was edited as a drawing, as of `front`."""
+        if not isinstance(table, dict):
+            raise InputError("the front: expected a table of its sizes; begin with another front")
+        return self.front(as_toml(table))
+
+    def size(self, latitude, longitude, units=BRICKS):
+        """How large the claim would be and about how long it takes: {"contact_points", "steps",
+        "draws", "minutes": [least, most]}."""
+        with TemporaryDirectory() as folder:
+            place = {"latitude": latitude, "longitude": longitude}
+            house = str(self._given(HOUSE, "the front"))
+            options = USUAL_OPTIONS | {"units": _units(units)}
+            study = write_twins(folder, house, place | USUAL, options, {}, STEPS[1])
+            size = size_of(load_study(study, "reference", ROOT))
+        minutes = size.minutes(STEPS[1], os.cpu_count())
+        return vars(size) | {"draws": STEPS[1], "minutes": minutes}
 
     def _keep(self, name, what, text, read):
         """What read(path) makes of a text, which is kept in a file of the claim if it is accepted;
@@ -157,9 +191,11 @@ class Desk:
         self.path(STRAIGHT).unlink(missing_ok=True)
         return {"file": PHOTO}
 
-    def straighten(self, pixels, places):
-        """Make the photograph a view of the front by four points, pixels and places x, z [m]."""
-        wall = self.layout().wall
+    def straighten(self, pixels, places, openings):
+        """Make the photograph a view of the front by four points, pixels and places x, z [m], and
+        compare the openings there, two opposite corners of each in pixels, with the front's."""
+        layout = self.layout()
+        wall = layout.wall
         edges = _edges(wall)
         pixels, places = (_points("the four points", points, 4, 4) for points in (pixels, places))
         off = np.linalg.norm(places[:, np.newaxis] - edges, axis=2).min(axis=1)
@@ -170,6 +206,10 @@ class Desk:
                 f" {', '.join(f'({x:g}, {z:g})' for x, z in edges)}; the front may differ from the"
                 " photograph"
             )
+        to_wall = homography(pixels, places)
+        _compare_openings(
+            layout.plan, [_points("an opening", one, 2, 2) for one in openings], to_wall
+        )
         jpeg = self._given(PHOTO, "the photograph").read_bytes()
         self.path(STRAIGHT).write_bytes(
             rectified(jpeg, pixels, places, wall.length, wall.built_height)
@@ -218,7 +258,17 @@ class Desk:
 
     # --- runs -------------------------------------------------------------------------------------
 
-    def start(self, latitude, longitude, settle, distortion, draws, language, shown=None):
+    def start(
+        self,
+        latitude,
+        longitude,
+        settle,
+        distortion,
+        draws,
+        language,
+        units=BRICKS,
+        shown=None,
+    ):
         """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its
         own.
 
@@ -243,6 +293,8 @@ class Desk:
             "--out",
             str(self.path(RESULTS)),
             "--remake",
+            "--units",
+            *map(str, _units(units)),
             *self._settled(settle, distortion),
         ]
         if draws is not None:
@@ -303,7 +355,9 @@ class Desk:
         log, status = self.path(LOG), self.job and self.job.poll()
         text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else ""
         lines = text.replace("\r", "\n").split("\n")
+        shares = SHARE.findall(text)
         return {
+            "share": float(shares[-1]) / 100 if shares else None,
             "running": self.running,
             "status": status,
             "lines": [line.replace(str(self.out) + os.sep, "") for line in lines if line.strip()][
@@ -326,8 +380,8 @@ class Desk:
         """What there is already of the claim: after a restart the page continues with it."""
         house, survey = self.path(HOUSE), self.path(SURVEY)
         return {
-            "house": house.read_text(encoding="utf-8") if house.exists() else None,
-            "front": _drawn(self.layout()) if house.exists() else None,
+            "folder": hashlib.sha256(str(self.out).encode()).hexdigest()[:16],
+            "front": house.exists() and self.front(house.read_text(encoding="utf-8"), kept=False),
             "drawn": _redrawn(read_cracks(survey)[-1]) if survey.exists() else None,
             "photo": self.path(PHOTO).exists(),
             "straight": self.path(STRAIGHT).exists(),
@@ -348,18 +402,64 @@ def _edges(wall):
     return np.array([(0.0, 0.0), (length, 0.0), *reversed(top)])
 
 
-def _drawn(layout):
-    """Size, bricks (x, z, length, height) and joints (both ends) of a Layout, fit for JSON [m]."""
+def _drawn(layout, text):
+    """What the page draws of a Layout, fit for JSON [m]: size, corners to straighten by, outline,
+    bricks (x, z, length, height), openings (left, lower, right, upper edge) and levels of floors as
+    built; its text in TOML, and the table of that."""
     bodies, n, wall = layout.bodies, layout.n_below_caps, layout.wall
     bricks = np.column_stack([bodies.x, bodies.z, bodies.length, bodies.height])[:n]
     return {
+        "text": text,
+        "table": tomllib.loads(text),
         "name": wall.name,
         "length": wall.length,
         "height": wall.built_height,
         "corners": _edges(wall)[[0, 1, 2, -1]].tolist(),
         "bricks": np.round(bricks, 4).tolist(),
+        "course": wall.brick.height,
+        "brick": wall.brick.length,
+        "outline": _edges(wall).tolist(),
+        "openings": np.round(_openings(layout.plan), 4).tolist(),
+        "floors": sorted({float(one.above * wall.brick.height) for one in layout.plan.floors}),
         "contact_points": layout.n_joints,
     }
+
+
+def _openings(plan):
+    """Openings of a Plan as built, (n, 4) of left, lower, right and upper edge [m]."""
+    course = plan.wall.brick.height
+    found = [(one.left, course * one.first, one.right, course * one.above) for one in plan.openings]
+    return np.array(found, float).reshape(-1, 4)
+
+
+def _compare_openings(plan, marked, to_wall):
+    """InputError where openings that were marked in a photograph, two opposite corners in pixels
+    each, lie more than a course from those of a Plan; to_wall: (3, 3) from pixels to the wall."""
+    built, course = _openings(plan), plan.wall.brick.height
+    if len(built) and not len(marked):
+        raise InputError(
+            "no opening of the photograph is marked; expected two opposite corners of one or more;"
+            " mark them after the four points"
+        )
+    for pixels in marked:
+        u, v, w = to_wall @ np.column_stack([pixels, np.ones(2)]).T
+        x, z = np.sort(u / w), np.sort(v / w)
+        apart = np.abs(built - [x[0], z[0], x[1], z[1]]).max(axis=1)
+        if not (apart <= course).any():
+            raise InputError(
+                f"the opening from ({x[0]:.2f}, {z[0]:.2f}) to ({x[1]:.2f}, {z[1]:.2f}) m of the"
+                " photograph lies more than a course from each of the front; expected openings"
+                " where they are; correct the front, or mark its corners again"
+            )
+
+
+def _units(units):
+    """Bricks and courses of a unit from the page, a list."""
+    if not isinstance(units, list) or len(units) != 2:
+        raise InputError(f"units = {units!r}: expected two whole numbers, 1 to 20; correct it")
+    for value in units:
+        check_whole("units", value, 1, 20)
+    return units
 
 
 def _redrawn(pattern):
@@ -370,6 +470,7 @@ def _redrawn(pattern):
         ends = line[list(ENDS)].to_numpy(float)
         cracks.append(
             {
+                "label": str(line["crack"].iloc[0]),
                 "points": [*ends[:, :2].tolist(), ends[-1, 2:].tolist()],
                 "width_mm": round(1e3 * float(line["width_m"].iloc[0]), 6),
                 "offset": seen.get(line["seen"].iloc[0], "unknown"),
@@ -419,7 +520,13 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
         sizes = {"width_mm": float(crack["width_mm"]), "offset": crack["offset"]}
         last = len(points)
         rows += [
-            {"crack": number, "point": k, "x_m": x, "z_m": z, **(sizes if k < last else {})}
+            {
+                "crack": crack.get("label") or number,
+                "point": k,
+                "x_m": x,
+                "z_m": z,
+                **(sizes if k < last else {}),
+            }
             for k, (x, z) in enumerate(points, start=1)
         ]
     for number, area in enumerate(areas, start=1):

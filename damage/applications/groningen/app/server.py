@@ -21,6 +21,7 @@ from tempfile import NamedTemporaryFile
 
 from damage.applications.groningen.app.desk import SHOWN, Desk, words
 from damage.applications.groningen.app.photo import MOST_BYTES
+from damage.applications.groningen.claim.dutch import in_language
 from damage.applications.report.words import LANGUAGES
 from damage.errors import InputError, RunError
 from damage.files import json_text
@@ -43,7 +44,7 @@ HEADERS = {
 }
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Of the sheet, which has its style and pictures in itself; it can be printed."""
-CALLS = "address", "front", "straighten", "survey", "levels", "start", "stop"
+CALLS = ["address", "front", "sketch", "size", "straighten", "survey", "levels", "start", "stop"]
 """Methods of Desk that the page asks for."""
 COOKIE, HEADER = "damage_app", "X-Damage-Token"
 WITHOUT_PORT = 80
@@ -149,12 +150,14 @@ def _calls(app, root):
     lock = threading.Lock()
 
     def answer(work):
+        language = request.accept_languages.best_match(LANGUAGES) or LANGUAGES[0]
         try:
             with lock:
                 return Response(json_text(work()), content_type="application/json")
         except (InputError, RunError, OSError, UnicodeError) as error:
             # no fault of the page
-            return Response(json_text({"error": str(error)}), content_type="application/json")
+            said = json_text({"error": in_language(language, str(error))})
+            return Response(said, content_type="application/json")
 
     @app.get(f"{root}/api/<name>")
     def look(name):

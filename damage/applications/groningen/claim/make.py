@@ -37,6 +37,7 @@ from damage.history.reader import read_history
 from damage.measure.evidence import evidence_for
 from damage.measure.summary import summarise
 from damage.run.options import settings_of
+from damage.wall.as_built import warn_of_courses
 from damage.wall.coarser import coarser
 from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall, wall_path
@@ -46,6 +47,10 @@ from damage.wall.model_options import ModelOptions
 STEPS = 10, 96, 192, 400, 800
 """Numbers of draws after which there is a sheet: the first ones show what it will be of; 96 is what
 an interval of ±10 of 100 takes."""
+
+USUAL = {"within_km": 3.5, "strong": (0.05, 0.15), "above_mm_s": 8.0}
+USUAL_OPTIONS = {"rest": 0.2, "strength-cov": 0.3, "inputs": "typical"}
+"""Of a claim where nothing is given: keys of its address, options of its runs."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,12 @@ def make_claim(claim, out, jobs, remake=False):
     if settled is not None:
         settled.check_length(layout.wall.length)
     survey = read_survey(claim.survey, layout)
-    warn(*drawn_from.exposure.warnings, *survey.notes, *_no_answer_foreseen(survey, steps[-1]))
+    warn(
+        *warn_of_courses(layout.plan),
+        *drawn_from.exposure.warnings,
+        *survey.notes,
+        *_no_answer_foreseen(survey, steps[-1]),
+    )
     print(on_joints(survey.as_dict()))
     with held(out, Path(NAME).stem) as lock:
         _state_runs(size_of(_study(claim, out, steps[0])), jobs, steps)

@@ -194,6 +194,7 @@ def _taken(numbers, say, shown):
             fell_settled=numbers["at_the_end"]["both"]["fell"],
         ),
         *_windows(numbers["choices"].get("strong"), say, shown),
+        *_units(numbers["choices"].get("units", (1, 1)), say),
         say("widths_used"),
         say(
             "detection",
@@ -210,6 +211,12 @@ def _windows(strong, say, shown):
     if not any(strong or ()):
         return []
     return [say("windows", first=shown(100 * strong[0]), last=shown(100 - 100 * strong[1]))]
+
+
+def _units(units, say):
+    """What the units of the front are, a list of sentences, empty where they are its bricks."""
+    along, up = units
+    return [] if along == up == 1 else [say("units", along=along, up=up)]
 
 
 def _evidence(evidence, say):

@@ -1,0 +1,520 @@
+"""Pictures of a house: its walls unfolded with the cracks of both faces, the house in perspective,
+walls and corners over time, and the house before it is run.
+
+Each function returns a matplotlib Figure; `save_all` writes those of a History, of a plane wall,
+too.
+"""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from damage.draw import run, style
+from damage.draw.panels import PAGE_WIDTH, from_zero, grid, letter
+from damage.draw.preview import PAPER, draw_preview
+from damage.draw.wall import (
+    line_width,
+    shape_at,
+    visible,
+    widest_line,
+)
+from damage.history.in_space import InSpace
+from damage.history.info import origin
+from damage.history.moments import (
+    JOINT_STATES,
+    check_samples,
+    joint_states,
+    nearest_snapshot,
+)
+from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
+from damage.wall.geometry import body_table, joint_table, kinds_of_bodies
+from damage.wall.house import outline
+from damage.wall.kinds import SLAB_COURSE, TINY
+from damage.wall.placing import FACES
+from damage.wall.plan import plan_of
+
+COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.BLACK, style.ORANGE
+LINES = [(colour, line) for line in ("-", "--", ":", "-.") for colour in COLOURS]
+"""Colour and line of the walls, then of the corners, in their order."""
+SIDES = np.array(
+    [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [3, 2, 6, 7], [0, 3, 7, 4], [1, 2, 6, 5]]
+)
+"""Corners of the sides of a box, as of `damage.wall.placing.BOX`."""
+ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
+"""Where one looks from: above the horizon, and beside the normal of the first wall."""
+AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
+DARKEST = 0.8  # share of its colour that a side has which the light does not reach
+FLOORS = {"concrete": style.BODY_COLOURS["slabs"], "timber": style.SAND}
+SECTION_M = 1.0  # height of the plan
+ARROW = {"arrowstyle": "->", "lw": 0.8, "color": style.DARK}
+BEFORE_M = 0.001  # cracks before the bricks beside them
+VISIBLE_SHARE = 0.05  # largest drawn displacement over the height of the house
+
+
+def moment_of(history, sample):
+    """Sample of "max" (of the largest index of a wall), "end" or a number, with that index, and the
+    nearest snapshot or None."""
+    check_samples(history)
+    damage = largest_index(history)
+    named = {"max": int(damage.argmax()), "end": len(damage) - 1}
+    sample = int(named.get(sample, sample))
+    time_s = history.series["time_s"].iloc[sample]
+    return sample, float(damage[sample]), nearest_snapshot(history, time_s)
+
+
+def cracks(space, sample, snapshot, magnify, joints):
+    """Ends (n, 2, 3) [m], codes of JOINT_STATES (n,), widths (n,) [m] and bodies, -1 the ground
+    (n, 2), of failed contact points of an InSpace among these (n_joints,) bool; their indices."""
+    codes = joint_states(space.history, sample)
+    chosen = np.flatnonzero(joints & (codes > JOINT_STATES.index("intact")))
+    ends = space.ends(snapshot, magnify, chosen)
+    width = widths(space.history, sample)[chosen]
+    return (ends, codes[chosen], width, space.joint_bodies[chosen]), chosen
+
+
+def corner_cracks(space, number, sample, snapshot, magnify):
+    """As `cracks`, of the joints of a wall, by its number, to others, as one sees them who stands
+    before it: one of each pair of bricks and kind, in the gravest state of its points."""
+    history, placing, found = space.history, space.history.placing, []
+    codes, width = joint_states(history, sample), widths(history, sample)
+    pairs = [
+        joints for walls, joints in corner_joints(history).items() if placing.names[number] in walls
+    ]
+    joints = np.concatenate([*pairs, np.zeros(0, int)])
+    places = placing.in_wall(number, space.joint_ends[joints].mean(axis=1))
+    table = history.joints.iloc[joints]
+    groups = table.groupby(["first_body", "second_body", "kind"], observed=True).indices
+    for (first, second, kind), rows in groups.items():
+        ends, points = np.tile(places[rows].mean(axis=0), (2, 1)), joints[rows]
+        along = places[rows, 2 if kind == "head" else 0]
+        ends[:, 2 if kind == "head" else 0] = along.min(), along.max()
+        found.append((ends, codes[points].max(), width[points].max(), (first, second)))
+    if not found:
+        return np.zeros((0, 2, 3)), np.zeros(0, int), np.zeros(0), np.zeros((0, 2), int)
+    ends, codes, width, bodies = map(np.array, zip(*found))
+    ends = placing.in_house(np.full(len(ends), number), ends)
+    ends = sum(space.moved(body, ends, snapshot, magnify) for body in bodies.T) / 2
+    return ends, codes, width, bodies
+
+
+def widths(history, sample):
+    """Crack widths of all contact points at a sample, (n_joints,) [m]."""
+    return np.hypot(history.opening_m[sample], history.slip_by("displacement")[sample], dtype=float)
+
+
+def magnification(space, snapshots):
+    """Factor that makes the largest displacement in these snapshots visible, as
+    `damage.draw.wall.magnification` does; space: InSpace."""
+    largest = max(float(np.abs(space.corners(one) - space.boxes).max()) for one in snapshots)
+    return visible(largest, float(space.boxes[..., 2].max()), VISIBLE_SHARE)
+
+
+def _widest(history, span_m, page_pt):
+    """`widest_line` of a house that spans so much on a page."""
+    bricks = history.bodies["course"] >= 0
+    return widest_line(history.bodies["height_m"][bricks].min(), span_m, page_pt)
+
+
+# --- as one sees it ------------------------------------------------------------------------------
+
+
+class Before:
+    """The eye of who stands before a face of a wall, by its number and the sign of its y: places
+    along the wall and upwards, without perspective."""
+
+    def __init__(self, placing, number, sign):
+        self.placing, self.number = placing, number
+        self.towards = self.light = sign * placing.axes[number, 1]
+
+    def project(self, places):
+        """Places (..., 3) [m] of the house on the face, (..., 2) [m]."""
+        left = self.placing.left[self.number]
+        return self.placing.in_wall(self.number, places)[..., [0, 2]] - [left, 0.0]
+
+    def sees(self, places, normals):
+        """Whether planes with normals (..., 3) show their fronts, (...,) bool."""
+        return normals @ self.towards > 0
+
+    def in_band(self, boxes):
+        """Which boxes (n, 8, 3) [m] are in the wall, or reach into it, (n,) bool."""
+        local = self.placing.in_wall(self.number, boxes)[..., :2]
+        left, length = (getattr(self.placing, one)[self.number] for one in ("left", "length"))
+        half = self.placing.thickness[self.number] / 2
+        least, most = np.array([left, -half]), np.array([left + length, half])
+        common = np.minimum(local.max(axis=1), most) - np.maximum(local.min(axis=1), least)
+        return (common > TINY).all(axis=1)
+
+
+class Eye:
+    """Perspective of a house from an azimuth in plan [deg]; middle [m] and radius [m] of what is
+    seen."""
+
+    def __init__(self, azimuth, middle, radius):
+        turn, above = np.radians([azimuth, ABOVE_DEG])
+        towards = [np.cos(above) * np.cos(turn), np.cos(above) * np.sin(turn), np.sin(above)]
+        self.towards, self.right = np.array(towards), np.array([-np.sin(turn), np.cos(turn), 0.0])
+        self.light = self.right / 2 + [0.0, 0.0, 0.9]
+        self.middle, self.distance = middle, AWAY * radius
+
+    def project(self, places):
+        """Places (..., 3) [m] on the picture, (..., 2) [m], in scale at the middle."""
+        away = places - self.middle
+        scale = self.distance / (self.distance - away @ self.towards)
+        up = np.cross(self.towards, self.right)
+        return np.stack([away @ self.right, away @ up], -1) * scale[..., None]
+
+    def sees(self, places, normals):
+        """Whether planes at places with normals (..., 3) show their fronts, (...,) bool."""
+        place = self.middle + self.distance * self.towards
+        return np.sum((place - places) * normals, axis=-1) > 0
+
+
+def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None)):
+    """Draw bodies, by their corners (n_bodies, 8, 3) [m], those that are shown, and `cracks` into a
+    PolyCollection, from back to front.
+
+    Course by course upwards: as the eye is above all of them, a lower one hides nothing of a higher
+    one; in a course from far to near.
+    """
+    ends, codes, width, joined = lines
+    sides, centre = corners[shown][:, SIDES], corners.mean(axis=1)
+    outwards = sides.mean(axis=2) - centre[shown, None]
+    seen = eye.sees(sides.mean(axis=2), outwards)
+    of = np.arange(len(corners))[shown][np.nonzero(seen)[0]]
+    level = np.append(history.bodies["z_m"].round(3), -np.inf)
+    near = np.append(centre @ eye.towards, -np.inf)
+    normal = outwards[seen] / np.linalg.norm(outwards[seen], axis=1, keepdims=True)
+    light = DARKEST + (1 - DARKEST) * np.clip(normal @ eye.light, 0, 1)
+    kinds = kinds_of_bodies(history.bodies["course"])[of]
+    paint = np.array([to_rgb(style.BODY_COLOURS[kind]) for kind in kinds]) * light[:, None]
+    colours = np.array([to_rgb(run.JOINT_COLOURS[state]) for state in JOINT_STATES])[codes]
+    order = np.lexsort(
+        (
+            np.append(near[of], near[joined].max(axis=1) + BEFORE_M),
+            np.append(level[of], level[joined].max(axis=1)),
+        )
+    )
+    places = [*eye.project(sides[seen]), *eye.project(ends)]
+    collection.set_verts([places[k] for k in order])
+    collection.set(
+        facecolor=np.concatenate([paint, colours])[order],
+        edgecolor=np.concatenate([np.full_like(paint, 0.5), colours])[order],
+        linewidth=np.append(np.full(len(of), 0.15), line_width(width, widest_pt))[order],
+    )
+
+
+def legend_of(history, sample, widest_pt):
+    """Handles of the states and widths of cracks, and of the kinds of bodies, of a house."""
+    one = shape_at(history.parts[0], sample, 0.0, magnify=0.0)
+    shape = replace(
+        one,
+        elastic=np.zeros(1, bool),
+        kinds=kinds_of_bodies(history.bodies["course"]),
+        crack_width_m=widths(history, sample),
+        widest_pt=widest_pt,
+    )
+    return [one for one in run.joint_handles(shape) if one.get_label() != "intact"]
+
+
+def _moment(history, sample, damage, snapshot, magnify):
+    time_s = history.series["time_s"].iloc[sample]
+    shown = (
+        "undeformed, no snapshot near"
+        if snapshot is None
+        else f"shape at {history.snapshot_time_s[snapshot]:.3f} s, displacements × {magnify:g}"
+    )
+    return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}; {shown}"
+
+
+@style.styled
+def elevation_picture(history, sample="max", magnify=None):
+    """Figure of the walls of a house side by side, above with the cracks of their faces outside,
+    below inside, each face as one sees it who stands before it; joints to other walls in both.
+
+    sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
+    factor on displacements and rotations, None for one that makes them visible.
+    """
+    space, placing, house = InSpace(history), history.placing, history.house
+    sample, damage, snapshot = moment_of(history, sample)
+    magnify = magnification(space, [snapshot]) if magnify is None else magnify
+    span = np.array([sum(placing.length + 0.3), space.boxes[..., 2].max()])
+    scale = min((PAGE_WIDTH - 0.6) / span[0], 3.5 / span[1])  # [inch/m]
+    widest_pt = _widest(history, span, 72 * scale * span)
+    figure, axes = grid(2, len(placing.names), 1.0, sharey=True, width_ratios=placing.length)
+    figure.set_size_inches(PAGE_WIDTH, 2 * scale * span[1] + 0.85)
+    corners = space.corners(snapshot, magnify)
+    for row, face in zip(axes, FACES):
+        for number, (ax, sign) in enumerate(zip(row, placing.sign_of(face))):
+            eye = Before(placing, number, sign)
+            on_face = (house.joint_wall == number) & (np.sign(house.joint_y_m) == sign)
+            lines, _ = cracks(space, sample, snapshot, magnify, on_face)
+            more = corner_cracks(space, number, sample, snapshot, magnify)
+            lines = [np.concatenate(both) for both in zip(lines, more)]
+            drawn, shown = ax.add_collection(PolyCollection([])), eye.in_band(space.boxes)
+            draw(drawn, history, eye, corners, lines, widest_pt, shown)
+            run.show_all(ax, eye.project(corners[history.house.body_wall == number]))
+            if sign > 0:
+                ax.invert_xaxis()
+            if number:
+                ax.set_ylabel("")
+            ax.set_title(f"{placing.names[number]}, {face}", loc="left", fontsize=7)
+    moment = _moment(history, sample, damage, snapshot, magnify)
+    style.add_title(figure, history, moment, "each face as one sees it who stands before it")
+    style.legend_below(figure, legend_of(history, sample, widest_pt), 6)
+    style.settle_layout(figure)
+    return figure
+
+
+class Perspective:
+    """Axes with a house in perspective: `show` draws a moment from an azimuth [deg]."""
+
+    def __init__(self, ax, history, page_pt):
+        self.space, placing = InSpace(history), history.placing
+        places = self.space.boxes.reshape(-1, 3)
+        self.low, self.high = places.min(axis=0), places.max(axis=0)
+        self.middle = (self.low + self.high) / 2
+        self.radius = float(np.linalg.norm(self.high - self.low) / 2)
+        outside = placing.sign_of("outside")[0] * placing.axes[0, 1]
+        self.azimuth = float(np.degrees(np.arctan2(outside[1], outside[0]))) + BESIDE_DEG
+        self.widest_pt = _widest(history, (2 * self.radius,) * 2, page_pt)
+        self.ground, self.drawn = (ax.add_collection(PolyCollection([])) for _ in range(2))
+        self.ground.set(facecolor=style.GROUND_COLOUR, edgecolor="none")
+        self.ax = ax
+        ax.set(aspect="equal")
+        ax.axis("off")
+
+    def show(self, sample, snapshot, magnify, azimuth=None):
+        """Draw a sample and snapshot, with displacements by a factor."""
+        history, house = self.space.history, self.space.history.house
+        azimuth = self.azimuth if azimuth is None else azimuth
+        eye = Eye(azimuth, self.middle, self.radius)
+        on_face = (house.joint_wall >= 0) & (np.abs(house.joint_y_m) > TINY)
+        lines, joints = cracks(self.space, sample, snapshot, magnify, on_face)
+        normals = history.placing.axes[house.joint_wall[joints], 1]
+        normals = normals * np.sign(house.joint_y_m[joints, None])
+        seen = eye.sees(lines[0].mean(axis=1), normals)
+        lines = [values[seen] for values in lines]
+        corners = self.space.corners(snapshot, magnify)
+        draw(self.drawn, history, eye, corners, lines, self.widest_pt)
+        ground = self._around(0.12) * [1.0, 1.0, 0.0]
+        self.ground.set_verts([eye.project(ground[[0, 1, 3, 2]])])
+
+    def _around(self, share):
+        """Corners of a box with a margin, the lower ones first, (8, 3) [m]."""
+        margin = share * self.radius
+        low, high = self.low - margin, self.high + margin
+        return np.array(
+            [
+                (x, y, z)
+                for z in (low[2], high[2])
+                for x in (low[0], high[0])
+                for y in (low[1], high[1])
+            ]
+        )
+
+    def fit(self, azimuths):
+        """Set the limits of the axes to what is seen from these azimuths [deg]; returns height over
+        width."""
+        around = self._around(0.15)
+        seen = [Eye(one, self.middle, self.radius).project(around) for one in azimuths]
+        low, high = np.min(seen, axis=(0, 1)), np.max(seen, axis=(0, 1))
+        self.ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        return (high[1] - low[1]) / (high[0] - low[0])
+
+
+@style.styled
+def space_picture(history, sample="max", magnify=None, azimuth=None):
+    """Figure of a house in perspective, deformed and exaggerated, with the cracks of the faces that
+    are seen.
+
+    sample, magnify: as of `elevation_picture`; azimuth: in plan of the eye from x towards y [deg],
+    None for one beside the normal of the first wall.
+    """
+    sample, damage, snapshot = moment_of(history, sample)
+    figure, ax = style.new_figure(1.0)
+    seen = Perspective(ax, history, (72 * style.COLUMN_WIDTH,) * 2)
+    magnify = magnification(seen.space, [snapshot]) if magnify is None else magnify
+    seen.show(sample, snapshot, magnify, azimuth)
+    ratio = seen.fit([seen.azimuth if azimuth is None else azimuth])
+    figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5))
+    style.add_title(figure, history, _moment(history, sample, damage, snapshot, magnify))
+    style.legend_below(figure, legend_of(history, sample, seen.widest_pt), columns=3)
+    style.settle_layout(figure)
+    return figure
+
+
+# --- over time -----------------------------------------------------------------------------------
+
+
+@style.styled
+def walls_picture(history):
+    """Figure over time: damage index, drift along and across each wall, opening of the corners."""
+    check_samples(history)
+    walls, corners = walls_table(history), corners_table(history)
+    panels = [
+        (walls, "wall", "DI", 1.0, "DI [-]", "damage index"),
+        (walls, "wall", "drift_ratio", 100.0, "drift [%]", "drift along the wall"),
+        (walls, "wall", "drift_across_ratio", 100.0, "drift [%]", "drift across the wall"),
+        (corners, "corner", "opening_m", 1e3, "opening [mm]", "corners, widest opening"),
+    ][: 3 + (len(corners) > 0)]
+    figure, axes = style.new_figure(1.15 * len(panels), rows=len(panels), sharex=True)
+    lines = dict(zip([*walls["wall"].unique(), *corners["corner"].unique()], LINES))
+    for number, (ax, (table, key, name, factor, label, words)) in enumerate(zip(axes, panels)):
+        for one, rows in table.groupby(key, sort=False):
+            colour, line = lines[one]
+            ax.plot(rows["time_s"], factor * rows[name], color=colour, ls=line, label=one)
+        ax.set_ylabel(label)
+        letter(ax, number, words)
+    for ax in axes[::3]:
+        from_zero(ax)
+    handles = [line for ax in axes[::3] for line in ax.get_lines()]
+    figure.align_ylabels()
+    style.add_title(figure, history)
+    marks = style.mark_times(history, axes)
+    style.legend_below(figure, [*handles, *marks], columns=3)
+    return figure
+
+
+# --- before a run --------------------------------------------------------------------------------
+
+
+@style.styled
+def house_preview(layout):
+    """Figure of a house before it is run: its plan, with corners and the direction of the motion,
+    and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
+    house, space, handles = layout.space.house, layout.space, {}
+    walls, n = [one.wall for one in house.bearing], layout.n_joints
+    concrete = [one for one in house.floors if one.kind == "concrete"]
+    concrete.sort(key=lambda floor: floor.level)
+    lengths = [wall.length for wall in walls]
+    scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
+    ends = np.concatenate([_outline(one) for one in house.walls])
+    plan = min(PAGE_WIDTH * np.ptp(ends[:, 1]) / np.ptp(ends[:, 0]), 3.0)
+    high = max(wall.built_height for wall in walls) * scale
+    figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
+    cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
+    handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
+    bodies, joints, middle = body_table(layout), joint_table(layout), np.abs(space.y[:n]) < TINY
+    for number, wall in enumerate(walls):
+        ax = figure.add_subplot(cells[1, number])
+        on_wall = middle & (space.joint_wall[:n] == number)
+        of = (space.wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
+        tables = [
+            one.assign(x_m=one["x_m"] - space.left[number]) for one in (bodies[of], joints[on_wall])
+        ]
+        slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
+        slabs = slabs[[wall.name in one.walls for one in concrete]]
+        slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
+        tables[0] = pd.concat([tables[0], slabs])
+        found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
+        handles |= {handle.get_label(): handle for handle in found}
+        ax.set_title(wall.name, loc="left", fontsize=7)
+        ax.label_outer()
+    title = f"house {house.name}: {len(bodies)} bodies, {n} contact points, "
+    title += f"{layout.total_mass / 1e3:.3g} t; grey arrows: x of the walls"
+    if any(corner.kind == "toothed" for corner in house.corners):
+        title += "; ends that are missing are bricks of the other wall"
+    figure.suptitle(title, x=0.01, ha="left")
+    style.legend_below(figure, list(handles.values()), columns=6)
+    style.settle_layout(figure)
+    return figure
+
+
+def _outline(placed):
+    """Corners of a Placed wall in plan, (4, 2) [m]."""
+    along, across = placed.axes[:2, :2]
+    half = across * placed.wall.brick.thickness / 2
+    ends = np.array([placed.origin, placed.origin + along * placed.wall.length])
+    return np.concatenate([ends - half, ends[::-1] + half])
+
+
+def _area(span):
+    """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
+    return [
+        one.origin + along * one.axes[0, :2]
+        for one, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
+    ]
+
+
+def _draw_plan(ax, house):
+    """Draw the plan of a house; returns {label: handle} of a legend."""
+    corners = np.array([_outline(one) for one in house.walls])
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    found = {}
+    for floor in house.floors:
+        carrying = house.carrying(floor)
+        spans = floor.spans(carrying) if floor.kind == "timber" else []
+        for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
+            (x0, y0), (x1, y1) = area
+            style.add_bodies(ax, [[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], FLOORS[floor.kind])
+        label = f"{floor.kind} floor at {floor.level:g} m"
+        found[label] = style.area_handle(FLOORS[floor.kind], label)
+    style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
+    for placed in house.walls:
+        along, across = placed.axes[:2, :2]
+        for opening in placed.wall.openings:
+            if not opening.sill <= SECTION_M < opening.sill + opening.height:
+                continue
+            span = placed.origin + np.outer([opening.left, opening.left + opening.width], along)
+            half = across * placed.wall.brick.thickness / 2
+            style.add_bodies(
+                ax, [np.concatenate([span - half, span[::-1] + half])], "white", style.DARK
+            )
+        start = placed.origin + 0.08 * placed.wall.length * along
+        middle = placed.origin + placed.wall.length / 2 * along
+        turn = 90 - (90 - placed.direction) % 180  # from -90, left out, to 90
+        ax.text(*middle, placed.wall.name, ha="center", va="center", rotation=turn, bbox=PAPER)
+        ax.annotate("", start + 0.12 * placed.wall.length * along, start, arrowprops=ARROW)
+    marks = {"toothed": "s", "butted": "o"}
+    for corner in house.corners:
+        one, other = (house.walls[house.names.index(name)] for name in corner.walls)
+        axes = np.array([one.axes[0, :2], -other.axes[0, :2]]).T
+        way = np.linalg.solve(axes, np.subtract(other.origin, one.origin))[0]
+        ax.plot(
+            *(one.origin + way * one.axes[0, :2]), marks[corner.kind], color=style.VERMILLION, ms=4
+        )
+    turn, middle = np.radians(house.heading), (low + high) / 2
+    way = 0.15 * np.ptp(corners[..., 0]) * np.array([np.cos(turn), np.sin(turn)])
+    ax.annotate("", middle + way, middle - way, arrowprops=ARROW | {"color": style.BLUE})
+    ax.text(*middle, "motion", color=style.BLUE, ha="center", va="center", bbox=PAPER)
+    margin = 0.05 * (high - low).max()
+    ax.set(
+        xlim=(low[0] - margin, high[0] + margin),
+        ylim=(low[1] - margin, high[1] + margin),
+        aspect="equal",
+        xlabel="x [m]",
+        ylabel="y [m]",
+        title=f"plan at {SECTION_M:g} m",
+    )
+    ax.title.set(fontsize=7, ha="left", x=0.0)
+    return found | {
+        kind: style.mark_handle(marks[kind], f"{kind} corner")
+        for kind in dict.fromkeys(one.kind for one in house.corners)
+    }
+
+
+# --- files ---------------------------------------------------------------------------------------
+
+PICTURES = {
+    "elevation_max": partial(elevation_picture, sample="max"),
+    "elevation_end": partial(elevation_picture, sample="end"),
+    "space_max": partial(space_picture, sample="max"),
+    "walls": walls_picture,
+    "energy": run.energy_picture,
+}
+"""{file name without suffix: function that draws it} of a house."""
+
+
+def save_all(history, folder):
+    """Write all pictures of a History as PNG and PDF into `folder`, those of a house or of a wall;
+    returns their paths."""
+    if not history.is_house:
+        return run.save_all(history, folder)
+    return style.save_figures(
+        ((name, draw(history)) for name, draw in PICTURES.items()), folder, origin(history)
+    )

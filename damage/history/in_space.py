@@ -1,0 +1,92 @@
+"""Bodies and contact points of the history of a house in its x, y and z, at rest and as they
+move."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from damage.history.reader import History
+from damage.wall.geometry import tributary_ends
+from damage.wall.placing import BOX
+
+
+@dataclass(frozen=True)
+class InSpace:
+    """Of the History of a house.  Bodies -1 are the ground, which rests."""
+
+    history: History
+
+    @cached_property
+    def centres(self):
+        """Of the bodies, then of the ground, (n_bodies + 1, 3) [m]."""
+        bodies, house = self.history.bodies, self.history.house
+        local = np.column_stack([bodies["x_m"], house.body_y_m, bodies["z_m"]])
+        found = self.history.placing.in_house(house.body_wall, local[:, None])[:, 0]
+        return np.vstack([found, np.zeros(3)])
+
+    @cached_property
+    def boxes(self):
+        """Corners of the bodies at rest, (n_bodies, 8, 3) [m], as of BOX."""
+        bodies, house = self.history.bodies, self.history.house
+        half = np.column_stack([bodies["length_m"], house.body_depth_m, bodies["height_m"]]) / 2
+        turned = self.history.placing.turned(house.body_wall, half[:, None] * BOX)
+        return self.centres[:-1, None] + turned
+
+    @cached_property
+    def joint_bodies(self):
+        """Both bodies of each contact point, (n_joints, 2)."""
+        return np.maximum(self.history.joints[["first_body", "second_body"]].to_numpy(), -1)
+
+    @cached_property
+    def joint_ends(self):
+        """Ends of the tributary length of each contact point at rest, (n_joints, 2, 3) [m]."""
+        joints, house = self.history.joints, self.history.house
+        ends = tributary_ends(joints)
+        y = np.broadcast_to(house.joint_y_m[:, None], ends.shape[:2])
+        # a place between two walls is that in the first of them
+        first = house.body_wall[self.joint_bodies].min(axis=1)
+        wall = np.where(house.joint_wall < 0, first, house.joint_wall)
+        return self.history.placing.in_house(wall, np.stack([ends[..., 0], y, ends[..., 1]], -1))
+
+    def motion(self, snapshot):
+        """Displacement [m] and rotation [rad] of the bodies and the ground in a snapshot, None for
+        at rest: two of (n_bodies + 1, 3)."""
+        if snapshot is None:
+            return np.zeros((2, *self.centres.shape))
+        history = self.history
+        along, up, turn = history.displacement[snapshot].astype(float).T
+        across, about_along, about_up = history.house.out_of_plane[snapshot].astype(float).T
+        vectors = np.stack(
+            [
+                np.column_stack([along, across, up]),
+                np.column_stack([about_along, -turn, about_up]),
+            ],
+            axis=1,
+        )
+        found = history.placing.turned(history.house.body_wall, vectors)
+        return np.concatenate([found, np.zeros((1, 2, 3))]).swapaxes(0, 1)
+
+    def moved(self, body, places, snapshot, magnify=1.0):
+        """Where places (n, k, 3) [m] go with the bodies (n,) that they are fixed to, when the
+        motion of these in a snapshot is magnified."""
+        shift, turn = (magnify * values[body, None] for values in self.motion(snapshot))
+        arms = places - self.centres[body, None]
+        return places + shift + _turned(turn, arms) - arms
+
+    def corners(self, snapshot, magnify=1.0):
+        """Corners of the bodies in a snapshot, (n_bodies, 8, 3) [m]."""
+        return self.moved(np.arange(len(self.boxes)), self.boxes, snapshot, magnify)
+
+    def ends(self, snapshot, magnify=1.0, joints=slice(None)):
+        """Ends of contact points in a snapshot, half way between both bodies, (n, 2, 3) [m]."""
+        bodies, places = self.joint_bodies[joints], self.joint_ends[joints]
+        return sum(self.moved(body, places, snapshot, magnify) for body in bodies.T) / 2
+
+
+def _turned(turn, arms):
+    """Vectors (n, k, 3) after the rotations (n, 1, 3) [rad], by Rodrigues' formula."""
+    angle = np.linalg.norm(turn, axis=-1, keepdims=True)
+    once = np.cross(turn, arms)
+    half = np.sinc(angle / (2 * np.pi)) ** 2 / 2
+    return arms + np.sinc(angle / np.pi) * once + half * np.cross(turn, once)

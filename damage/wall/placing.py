@@ -1,0 +1,69 @@
+"""Where the walls of a house stand in space, from what the parameters of its history keep.
+
+Places in a wall are x along it as unfolded, y from its middle plane and z; in the house x, y, z.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.wall.house import Placed
+from damage.wall.parameters import Wall
+
+FACES = "outside", "inside"
+_SIDE = (-1, -1), (1, -1), (1, 1), (-1, 1)
+BOX = np.array([(x, y, z) for y in (1, -1) for x, z in _SIDE])
+"""Corners of a body from its centre, in half sizes: counter-clockwise from the lower left, at +y,
+then at -y."""
+
+
+class Placing(NamedTuple):
+    """Of the walls of a house: names; left end of each as unfolded (n_walls,) [m]; origin (n_walls,
+    3) [m] and axes, along, across and upwards (n_walls, 3, 3), in the house; length and thickness
+    (n_walls,) [m]."""
+
+    names: list
+    left: np.ndarray
+    origin: np.ndarray
+    axes: np.ndarray
+    length: np.ndarray
+    thickness: np.ndarray
+
+    def in_house(self, wall, places):
+        """Places (n, k, 3) [m] in walls (n,) as places in the house (n, k, 3) [m]."""
+        return self.origin[wall][:, None] + self.turned(
+            wall, places - self.left[wall][:, None, None] * [1.0, 0.0, 0.0]
+        )
+
+    def in_wall(self, wall, places):
+        """The inverse: places in the house (n, 3) [m] as places in a wall, by its number."""
+        return (places - self.origin[wall]) @ self.axes[wall].T + [self.left[wall], 0.0, 0.0]
+
+    def turned(self, wall, vectors):
+        """Vectors (n, k, 3) along, across and up walls (n,) along the axes of the house."""
+        return np.einsum("nki,nij->nkj", vectors, self.axes[wall])
+
+    def sign_of(self, face):
+        """Sign of y of a face of FACES, of each wall (n_walls,): outside is away from the middle of
+        the plan; of a wall through it, towards y."""
+        ends = (
+            self.origin[:, None]
+            + np.multiply.outer(self.length, [0.0, 1.0])[..., None] * self.axes[:, None, 0]
+        )
+        middle = (ends.min(axis=(0, 1)) + ends.max(axis=(0, 1))) / 2
+        away = np.einsum("ni,ni->n", ends.mean(axis=1) - middle, self.axes[:, 1])
+        outside = np.where(away < -self.thickness / 2, -1, 1)
+        return outside if face == "outside" else -outside
+
+
+def placing_of(walls):
+    """The Placing of the walls of a house, tables as a history's parameters have them."""
+    placed = [Placed(Wall.from_dict(one["wall"]), one["origin"], one["direction"]) for one in walls]
+    return Placing(
+        [one.wall.name for one in placed],
+        np.array([one["left_m"] for one in walls]),
+        np.array([(*one.origin, 0.0) for one in placed]),
+        np.array([one.axes for one in placed]),
+        np.array([one.wall.length for one in placed]),
+        np.array([one.wall.brick.thickness for one in placed]),
+    )
