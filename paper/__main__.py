@@ -27,7 +27,6 @@ PROGRAMS = (
     "bouncing_caps",
     "claim_coverage",
     "coarse_units",
-    "coverage",
     "cracks_before",
     "deformable",
     "dic_field",
