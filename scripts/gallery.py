@@ -130,7 +130,7 @@ GALLERY = {
         "The same push, bricks split, joints soften and crush",
         "The peak is 133 kN (test 126 and 137) at 0.03 % of drift. Stairs and split bricks form one"
         " diagonal. Upright cracks at its ends cut off pillars, and the force falls to 16 kN, too"
-        " far ([why](../validation/laboratory.md#shear-walls-of-hollow-clay)). Grey: brittle.",
+        " far ([why](../validation/laboratory.md)). Grey: brittle.",
         "pushed wall whose bricks split, base shear and drift",
         "walls/variants/comp2_4_split_and_crush.py --pushover 0.3 --boundary fixed",
         force,
