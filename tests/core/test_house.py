@@ -180,3 +180,12 @@ def test_timber_floors_load_parallel_walls_by_half_their_spans_and_anchors_tie_t
     away[free.space.wall == 2, 3] = 1.0
     held, loose = (away.ravel() @ stiffness_matrix(one) @ away.ravel() for one in (tied, free))
     assert_allclose(held - loose, 3 * JOIST_PA * JOIST_M2 / 3, rtol=1e-4)
+
+
+def test_the_terraced_house_that_ships_weighs_what_its_floors_bring():
+    """A slab on its whole plan in place of a course of the ring below it, and a roof between the
+    middles of the party walls."""
+    house = read_house(BOX.with_name("terraced.toml"))
+    more = 450 * 4.5 * 5.0 + 80 * 4.25 * 5.0 - 1900 * 0.25 * (4.5 * 5.0 - 4.0 * 4.5)
+    found = [lay_out_house(one).total_mass for one in (house, replace(house, floors=()))]
+    assert_allclose(found[0] - found[1], more, rtol=1e-6)
