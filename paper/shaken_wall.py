@@ -6,7 +6,7 @@ docs/validation/shaken-walls.md.
                                                     # later prediction
     python3 -m paper shaken_wall FOLDER heights     # peaks at three heights by both bearings, and
                                                     # errors
-    python3 -m paper shaken_wall FOLDER coverage    # what lies inside the ranges of the kept draws
+    python3 -m paper shaken_wall FOLDER coverage    # five runs by draws of all inputs
     python3 -m paper shaken_wall FOLDER choices     # what load, bearing, stiffness and law change
     python3 -m paper shaken_wall FOLDER period      # what would have to be lost for the periods of
                                                     # the test
@@ -394,6 +394,11 @@ LAST = 25
 QUANTILES = 5, 50, 95
 
 
+def inputs_of(case):
+    """Ranges of the inputs that are drawn; the load from one of its readings to the other."""
+    return ranges("tested") | {"load": Range(None, *(one / case.load_n for one in LOADS_N))}
+
+
 def prediction(folder):
     """US-1's runs beside the test, and those of the second wall, with the later bearing."""
     runs = read_runs(folder)
@@ -401,9 +406,7 @@ def prediction(folder):
     strongest = events[numbers.index(22)]
     events, numbers = [*events, replace(strongest, factor=2 * strongest.factor)], [*numbers, LAST]
     case = chosen()
-    load = Range(None, *(one / case.load_n for one in LOADS_N))
-    inputs = ranges("tested") | {"load": load}
-    draws = draws_of({"later": case}, events, range(1, DRAWS + 1), numbers, inputs)
+    draws = draws_of({"later": case}, events, range(1, DRAWS + 1), numbers, inputs_of(case))
     keep(draws, "us1_draws")
     of_runs = quantiles(draws)
     table = runs[["rec", "sf", "pga", "pgv"]].set_axis(
@@ -491,23 +494,28 @@ def heights(folder):
 
 
 def coverage(folder):
-    """How many tested values lie inside the ranges of the kept draws, by bearing and measure."""
-    tested, rows = tested_of(folder), []
-    for bearing, file in (("first", "first_draws"), ("later", "draws")):
-        found = quantiles(pd.read_csv(TABLES / "benchmarks" / f"us1_{file}.csv"))
-        for name in MEASURES:
-            test = tested[f"tested_{name}"].reindex(found.index)
-            low, high = (found[f"{name}_{q}"] for q in (QUANTILES[0], QUANTILES[-1]))
-            known = low.notna() & test.notna()
-            rows.append(
-                {
-                    "bearing": bearing,
-                    "measure": name,
-                    "n": int(known.sum()),
-                    "inside": int(((low <= test) & (test <= high)).sum()),
-                }
-            )
-    keep(pd.DataFrame(rows), "us1_coverage")
+    """CHOICE_RUNS in sequence by draws of all inputs: measured values beside their ranges, and
+    beside those of the kept draws of strengths alone with the first bearing."""
+    tested = tested_of(folder)
+    events, numbers = events_of(folder, read_runs(folder).loc[list(CHOICE_RUNS)])
+    every = draws_of({"all": chosen()}, events, range(1, DRAWS + 1), numbers, inputs_of(chosen()))
+    first = pd.read_csv(TABLES / "benchmarks" / "us1_first_draws.csv")
+    rows = []
+    for drawn_of, found in (("strengths", quantiles(first)), ("all", quantiles(every))):
+        for name, run in product(MEASURES, CHOICE_RUNS):
+            low, middle, high = (found.loc[run, f"{name}_{q}"] for q in QUANTILES)
+            if not math.isnan(low):  # the period before the first run
+                test = tested.loc[run, f"tested_{name}"]
+                rows.append(
+                    [drawn_of, name, run, test, low, middle, high, int(low <= test <= high)]
+                )
+    keep(
+        pd.DataFrame(
+            rows,
+            columns=["drawn", "measure", "run", "tested", "least", "median", "most", "inside"],
+        ),
+        "us1_coverage",
+    )
 
 
 # --- choices --------------------------------------------------------------------------------------
