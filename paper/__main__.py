@@ -27,6 +27,7 @@ PROGRAMS = (
     "bouncing_caps",
     "claim_coverage",
     "coarse_units",
+    "coverage",
     "cracks_before",
     "deformable",
     "dic_field",

@@ -527,25 +527,19 @@ def places_of(layout, bricks, point):
 
 @styled
 def shaken_walls():
-    """Peaks of the wall US-1 by run beside the draws, and the force that clay spandrels keep by
+    """Peaks of the wall US-1 by run with both bearings, and the force that clay spandrels keep by
     repetition."""
-    runs = pd.read_csv(TABLES / "benchmarks" / "us1_prediction.csv")
+    runs = pd.read_csv(TABLES / "benchmarks" / "us1_heights.csv")
     figure, axes = grid(1, 2, 2.2, WIDTH, width_ratios=(1.35, 1))
     left, right = axes.flat
     letter(left, 0, "US-1, largest displacement at 2.06 m [mm]")
-    low, middle, high = (runs[f"peak_mm_{share}"] for share in (5, 50, 95))
-    left.errorbar(
-        runs["run"],
-        middle,
-        yerr=[middle - low, np.minimum(high, 1e3) - middle],
-        ls="",
-        marker="s",
-        ms=3,
-        mfc="none",
-        color=BLUE,
-        elinewidth=1.0,
-    )
-    left.plot(runs["run"], runs["tested_peak_mm"], ls="", marker="o", ms=3.5, color=ORANGE)
+    for name, marker, color, face in (
+        ("tested", "o", ORANGE, ORANGE),
+        ("first", "x", SKY, SKY),
+        ("later", "s", BLUE, "none"),
+    ):
+        peak = runs[f"{name}_peak_mm_2060"]
+        left.plot(runs["run"], peak, ls="", marker=marker, ms=3.5, mfc=face, color=color)
     left.set(yscale="log", xlabel="run", ylim=(0.1, 60))
     letter(right, 1, "clay spandrels, force over the first")
     forces = pd.read_csv(TABLES / "benchmarks" / "repeated_spandrels.csv")
@@ -571,16 +565,8 @@ def shaken_walls():
                 ms=4,
                 label="test (spandrels: mean of three steps)",
             ),
-            Line2D(
-                [],
-                [],
-                color=BLUE,
-                marker="s",
-                mfc="none",
-                ms=4,
-                ls="-",
-                label="median and 90 % of 16 draws",
-            ),
+            Line2D([], [], color=SKY, marker="x", ms=4, ls="", label="first bearing"),
+            Line2D([], [], color=BLUE, marker="s", mfc="none", ms=4, ls="", label="later bearing"),
             *(
                 Line2D([], [], color=colour, label=f"{step} µm")
                 for step, (colour, _) in steps.items()

@@ -260,6 +260,7 @@ def test_every_guide_is_followed_or_has_nothing_to_follow():
         "own-study",
         "own-record",
         "groningen",
+        "house",
         "tested-wall",
         "yade-users",
         "other-programs",

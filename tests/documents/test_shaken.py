@@ -81,3 +81,37 @@ def test_predictions_are_those_that_were_committed():
     assert list(table["run"]) == list(range(1, 26)) and table[
         table["run"].isin([3, 6, 8, 11])
     ].iloc[:, 1:].isna().all(axis=None)
+
+
+def test_the_bearing_has_the_least_error_and_of_equal_ones_the_longest_play(tmp_path, monkeypatch):
+    (tmp_path / "benchmarks").mkdir()
+    rows = "27e3,5e6,0.1,0.04,0.31\n10e3,2e6,0.1,0.003,0.3\n10e3,2e6,0.1,0.02,0.3001\n"
+    (tmp_path / "benchmarks/us1_bearings.csv").write_text(
+        f"load_n,stiffness_n_m,friction,play_m,error\n{rows}"
+    )
+    monkeypatch.setattr(shaken_wall, "TABLES", tmp_path)
+    assert shaken_wall.chosen()[:4] == (10e3, 2e6, 0.1, 0.02)
+
+
+def test_ranges_of_19_draws_are_their_least_and_largest():
+    """And the period before a run is that after the one before."""
+    draws = pd.DataFrame(
+        [
+            {
+                "case": "later",
+                "seed": seed,
+                "run": run,
+                "collapsed": seed == 19 and run == 2,
+                "residual_mm_2060": 0.1 * seed,
+                "period_after_s": 0.09 + 0.001 * seed,
+                **dict.fromkeys(shaken_wall.MOVED, float(seed * run)),
+            }
+            for seed in range(1, 20)
+            for run in (1, 2)
+        ]
+    )
+    found = shaken_wall.quantiles(draws)
+    assert found["peak_mm_660_5"].tolist() == [1.0, 2.0]
+    assert found["peak_mm_2060_50"].tolist() == [10.0, 20.0]
+    assert found["peak_mm_2060_95"].tolist() == [19.0, np.inf]
+    assert np.isnan(found["period_s_50"][1]) and found["period_s_95"][2] == pytest.approx(0.109)

@@ -10,7 +10,7 @@ from damage.run.session import check, plan_of
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 
-TOGETHER, ALONE = (4e7, 1.5e8), (8e6, 3e7)
+TOGETHER, ALONE = (2e7, 1.5e8), (8e6, 3e7)
 """Contact points times steps that a process takes in a second, of walls that crack much and that
 crack little: of eight walls as stiff as each other that step together, and of walls one by one,
 whose stiffness is drawn."""
