@@ -8,7 +8,16 @@ import subprocess
 import pytest
 from conftest import REPOSITORY, contents, written
 
-from damage.provenance import UNKNOWN, code_of, commit, file_origin, measures_digest, model_digest
+from damage.provenance import (
+    HERE,
+    RANGES,
+    UNKNOWN,
+    code_of,
+    commit,
+    file_origin,
+    measures_digest,
+    model_digest,
+)
 from damage.reference.session import run_reference
 
 
@@ -105,19 +114,22 @@ NAMED = (*DECIDE, *MEASURE, "version", "__main__", "motion/record", "wall/layout
 
 
 def modules_that_change(monkeypatch, tmp_path, digest_of):
-    """Modules of both packages, as paths in the repository, that change a digest: the first of each
-    folder, and NAMED."""
+    """Modules of both packages, and the table of ranges, as paths in the repository, that change a
+    digest: the first of each folder, and NAMED."""
     for name in ("damage", "yade_scripts"):
         shutil.copytree(
             REPOSITORY / name,
             tmp_path / name,
             ignore=shutil.ignore_patterns("data", "__pycache__", "page"),
         )
+    table = tmp_path / "damage" / RANGES
+    table.parent.mkdir(parents=True)
+    shutil.copy(HERE / RANGES, table)
     monkeypatch.setattr("damage.provenance.HERE", tmp_path / "damage")
     usual, found, first = digest_of(), set(), {}
     for path in sorted(tmp_path.rglob("*.py")):
         first.setdefault(path.parent, path)
-    for path in {*first.values(), *(tmp_path / f"damage/{name}.py" for name in NAMED)}:
+    for path in {table, *first.values(), *(tmp_path / f"damage/{name}.py" for name in NAMED)}:
         text = path.read_text()
         path.write_text(f"{text}\nCHANGED = 1\n")
         if digest_of() != usual:
@@ -136,7 +148,8 @@ def test_the_digest_of_the_model_is_of_its_folders_and_those_of_applications(
     found = modules_that_change(
         monkeypatch, tmp_path, lambda: model_digest.__wrapped__(tmp_path / own)
     )
-    assert {f"damage/{name}.py" for name in DECIDE} | {f"{own.as_posix()}/__init__.py"} <= found
+    decide = {f"damage/{name}.py" for name in DECIDE} | {f"damage/{RANGES}"}
+    assert decide | {f"{own.as_posix()}/__init__.py"} <= found
     folders = {path.rpartition("/")[0] for path in found}
     other = next(
         str(path.relative_to(REPOSITORY)) for path in SOLVERS.values() if path != SOLVERS[solver]
