@@ -248,6 +248,7 @@ def _bind(solver, tables):
             if geom is None
             else SimpleNamespace(id1=first, id2=second, isReal=False, geom=geom, phys=phys)
         )
+    model.gone = set(removed)
     for members, number in zip(model.members, range(len(model.members))):
         members[:] = tables["members"][tables["members"][:, 0] == number, 1].tolist()
     model.corners.clear()

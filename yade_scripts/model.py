@@ -112,6 +112,7 @@ class YadeWall:
         # of the faces' overlap [m], from which corners touch
         self._corner_depth = max(corner_depth, inset)
         self.corners = set()  # ids of the spheres in the bricks' corners
+        self.gone = set()  # joints whose dry contact is out of reach
 
     def friction_of(self, joint):
         """Coefficient of friction of a dry joint, or of the one that a bond leaves, which a script
@@ -296,6 +297,20 @@ class YadeWall:
                 and contact.geom.penetrationDepth < -_REACH / 10
             ):
                 O.interactions.erase(contact.id1, contact.id2)
+                self.gone.add(int(joint))
+
+    def regain(self):
+        """Give YADE's contact of a tip that was out of reach and touches its face again the
+        stiffnesses and friction of the one before; returns the joints."""
+        found = [joint for joint in self.gone if self.bonds[joint].isReal]
+        for joint in found:
+            contact, old = self.bonds[joint], self.physics[joint]
+            contact.phys.kn, contact.phys.ks = old.kn, old.ks
+            contact.phys.tangensOfFrictionAngle = old.tangensOfFrictionAngle
+            self._put(joint, contact)
+            self.work.renew(contact)
+        self.gone.difference_update(found)
+        return found
 
     def collisions(self):
         """YADE's interactions between loose bricks, also those that only begin or are over."""

@@ -365,12 +365,12 @@ class YadeSolver(Solver):
         broken = self.tracker.followed
         if len(broken) == 0:
             return
+        self.scene.read_anew(self.model.regain())
         across, shear = self._displacements(broken)
         opening = self.scene.openings(broken)
         apart = across + self.model.closure[broken]
-        if self._armed:
-            gone = np.array([not self.model.bonds[joint].isReal for joint in broken])
-            opening = np.where(gone, apart, opening)  # `tidy` has deleted these contacts
+        if self.model.gone:
+            opening = np.where(np.isin(broken, list(self.model.gone)), apart, opening)
         if not self._armed and max(opening.max(), np.abs(self.tracker.offset).max()) > LOOSE:
             self._armed = True
             self.model.arm()

@@ -99,6 +99,9 @@ class SpaceReader(SceneReader):
         across, along, through = _product(self._axes[:, :, joints], apart)
         return across, along + 1j * through
 
+    def read_anew(self, joints):
+        self._read[joints] = False
+
     def openings(self, select):
         for joint in select[~self._read[select]]:
             self._numbers.put(joint, self.geometries[joint], self.physics[joint])
