@@ -3,7 +3,7 @@ held.
 
 The wall comes to rest under its weight.  Then the base is accelerated, which is a horizontal body
 load of `multiplier` times each weight in the frame of the base.  The load rises to a level and is
-held there until the wall is at rest or goes on accelerating.  Bisection between a stable and an
+held there until the wall is at rest or keeps accelerating.  Bisection between a stable and an
 unstable level gives the multiplier.  At rest all accelerations are nil, so that it depends neither
 on the speed of loading nor on the damping, except through the path of the slips.
 """

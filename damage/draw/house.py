@@ -78,8 +78,8 @@ def cracks(space, sample, snapshot, magnify, joints):
 
 
 def corner_cracks(space, number, sample, snapshot, magnify):
-    """As `cracks`, of the joints of a wall, by its number, to others, as one sees them who stands
-    before it: one of each pair of bricks and kind, in the gravest state of its points."""
+    """As `cracks`, of the joints of a wall, by its number, to others, seen from in front of the
+    wall: one of each pair of bricks and kind, in the gravest state of its points."""
     history, placing, found = space.history, space.history.placing, []
     codes, width = joint_states(history, sample), widths(history, sample)
     pairs = [
@@ -124,8 +124,8 @@ def _widest(history, span_m, page_pt):
 
 
 class Before:
-    """The eye of who stands before a face of a wall, by its number and the sign of its y: places
-    along the wall and upwards, without perspective."""
+    """The view from in front of a face of a wall, by its number and the sign of its y: places along
+    the wall and upwards, without perspective."""
 
     def __init__(self, placing, number, sign):
         self.placing, self.number = placing, number
@@ -234,7 +234,7 @@ def _moment(history, sample, damage, snapshot, magnify):
 @style.styled
 def elevation_picture(history, sample="max", magnify=None):
     """Figure of the walls of a house side by side, above with the cracks of their faces outside,
-    below inside, each face as one sees it who stands before it; joints to other walls in both.
+    below inside, each face seen from in front of it; joints to other walls in both.
 
     sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
     factor on displacements and rotations, None for one that makes them visible.
@@ -264,7 +264,7 @@ def elevation_picture(history, sample="max", magnify=None):
                 ax.set_ylabel("")
             ax.set_title(f"{placing.names[number]}, {face}", loc="left", fontsize=7)
     moment = _moment(history, sample, damage, snapshot, magnify)
-    style.add_title(figure, history, moment, "each face as one sees it who stands before it")
+    style.add_title(figure, history, moment, "each face is seen from in front of it")
     style.legend_below(figure, legend_of(history, sample, widest_pt), 6)
     style.settle_layout(figure)
     return figure

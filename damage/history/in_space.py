@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy  # spatial where it is used: it starts slowly
 
 from damage.history.reader import History
 from damage.wall.geometry import tributary_ends
@@ -70,9 +71,10 @@ class InSpace:
     def moved(self, body, places, snapshot, magnify=1.0):
         """Where places (n, k, 3) [m] go with the bodies (n,) that they are fixed to, when the
         motion of these in a snapshot is magnified."""
-        shift, turn = (magnify * values[body, None] for values in self.motion(snapshot))
+        shift, turn = magnify * self.motion(snapshot)
+        turned = scipy.spatial.transform.Rotation.from_rotvec(turn).as_matrix()
         arms = places - self.centres[body, None]
-        return places + shift + _turned(turn, arms) - arms
+        return places + shift[body, None] + np.einsum("nij,nkj->nki", turned[body], arms) - arms
 
     def corners(self, snapshot, magnify=1.0):
         """Corners of the bodies in a snapshot, (n_bodies, 8, 3) [m]."""
@@ -82,11 +84,3 @@ class InSpace:
         """Ends of contact points in a snapshot, half way between both bodies, (n, 2, 3) [m]."""
         bodies, places = self.joint_bodies[joints], self.joint_ends[joints]
         return sum(self.moved(body, places, snapshot, magnify) for body in bodies.T) / 2
-
-
-def _turned(turn, arms):
-    """Vectors (n, k, 3) after the rotations (n, 1, 3) [rad], by Rodrigues' formula."""
-    angle = np.linalg.norm(turn, axis=-1, keepdims=True)
-    once = np.cross(turn, arms)
-    half = np.sinc(angle / (2 * np.pi)) ** 2 / 2
-    return arms + np.sinc(angle / np.pi) * once + half * np.cross(turn, once)

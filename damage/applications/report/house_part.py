@@ -33,7 +33,7 @@ def house_part(history, summaries):
         (
             elevation_picture(history),
             "All walls unfolded, with the cracks of both faces",
-            "Above from outside, below from inside, each face as one sees it who stands before it.",
+            "Above from outside, below from inside, each face seen from in front of it.",
         ),
         (
             space_picture(history),
