@@ -112,7 +112,7 @@ def _draw(asked):
     from damage.draw.style import save_picture
 
     if is_house(asked.wall):
-        from damage.draw.house import house_preview
+        from damage.draw.house_preview import house_preview
 
         wall = read_house(asked.wall)
         figure = house_preview(lay_out_house(wall, model_of(asked)))

@@ -1,5 +1,5 @@
-"""Pictures of a house: its walls unfolded with the cracks of both faces, the house in perspective,
-walls and corners over time, and the house before it is run.
+"""Pictures of a house that ran: its walls unfolded with the cracks of both faces, the house in
+perspective, walls and corners over time.
 
 Each function returns a matplotlib Figure; `save_all` writes those of a History, of a plane wall,
 too.
@@ -9,14 +9,11 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 
 from damage.draw import run, style
 from damage.draw.panels import PAGE_WIDTH, from_zero, grid, letter
-from damage.draw.preview import PAPER, draw_preview
 from damage.draw.wall import (
     line_width,
     shape_at,
@@ -32,11 +29,9 @@ from damage.history.moments import (
     nearest_snapshot,
 )
 from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
-from damage.wall.geometry import body_table, joint_table, kinds_of_bodies
-from damage.wall.house import outline
-from damage.wall.kinds import SLAB_COURSE, TINY
+from damage.wall.geometry import kinds_of_bodies
+from damage.wall.kinds import TINY
 from damage.wall.placing import FACES
-from damage.wall.plan import plan_of
 
 COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.BLACK, style.ORANGE
 LINES = [(colour, line) for line in ("-", "--", ":", "-.") for colour in COLOURS]
@@ -49,9 +44,6 @@ ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
 """Where one looks from: above the horizon, and beside the normal of the first wall."""
 AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
 DARKEST = 0.8  # share of its colour that a side has which the light does not reach
-FLOORS = {"concrete": style.BODY_COLOURS["slabs"], "timber": style.SAND}
-SECTION_M = 1.0  # height of the plan
-ARROW = {"arrowstyle": "->", "lw": 0.8, "color": style.DARK}
 BEFORE_M = 0.001  # cracks before the bricks beside them
 VISIBLE_SHARE = 0.05  # largest drawn displacement over the height of the house
 
@@ -378,124 +370,6 @@ def walls_picture(history):
     marks = style.mark_times(history, axes)
     style.legend_below(figure, [*handles, *marks], columns=3)
     return figure
-
-
-# --- before a run --------------------------------------------------------------------------------
-
-
-@style.styled
-def house_preview(layout):
-    """Figure of a house before it is run: its plan, with corners and the direction of the motion,
-    and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
-    house, space, handles = layout.space.house, layout.space, {}
-    walls, n = [one.wall for one in house.bearing], layout.n_joints
-    concrete = [one for one in house.floors if one.kind == "concrete"]
-    concrete.sort(key=lambda floor: floor.level)
-    lengths = [wall.length for wall in walls]
-    scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
-    ends = np.concatenate([_outline(one) for one in house.walls])
-    plan = min(PAGE_WIDTH * np.ptp(ends[:, 1]) / np.ptp(ends[:, 0]), 3.0)
-    high = max(wall.built_height for wall in walls) * scale
-    figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
-    cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
-    handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
-    bodies, joints, middle = body_table(layout), joint_table(layout), np.abs(space.y[:n]) < TINY
-    for number, wall in enumerate(walls):
-        ax = figure.add_subplot(cells[1, number])
-        on_wall = middle & (space.joint_wall[:n] == number)
-        of = (space.wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
-        tables = [
-            one.assign(x_m=one["x_m"] - space.left[number]) for one in (bodies[of], joints[on_wall])
-        ]
-        slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
-        slabs = slabs[[wall.name in one.walls for one in concrete]]
-        slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
-        tables[0] = pd.concat([tables[0], slabs])
-        found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
-        handles |= {handle.get_label(): handle for handle in found}
-        ax.set_title(wall.name, loc="left", fontsize=7)
-        ax.label_outer()
-    title = f"house {house.name}: {len(bodies)} bodies, {n} contact points, "
-    title += f"{layout.total_mass / 1e3:.3g} t; grey arrows: x of the walls"
-    if any(corner.kind == "toothed" for corner in house.corners):
-        title += "; ends that are missing are bricks of the other wall"
-    figure.suptitle(title, x=0.01, ha="left")
-    style.legend_below(figure, list(handles.values()), columns=6)
-    style.settle_layout(figure)
-    return figure
-
-
-def _outline(placed):
-    """Corners of a Placed wall in plan, (4, 2) [m]."""
-    along, across = placed.axes[:2, :2]
-    half = across * placed.wall.brick.thickness / 2
-    ends = np.array([placed.origin, placed.origin + along * placed.wall.length])
-    return np.concatenate([ends - half, ends[::-1] + half])
-
-
-def _area(span):
-    """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
-    return [
-        one.origin + along * one.axes[0, :2]
-        for one, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
-    ]
-
-
-def _draw_plan(ax, house):
-    """Draw the plan of a house; returns {label: handle} of a legend."""
-    corners = np.array([_outline(one) for one in house.walls])
-    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    found = {}
-    for floor in house.floors:
-        carrying = house.carrying(floor)
-        spans = floor.spans(carrying) if floor.kind == "timber" else []
-        for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
-            (x0, y0), (x1, y1) = area
-            style.add_bodies(ax, [[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], FLOORS[floor.kind])
-        label = f"{floor.kind} floor at {floor.level:g} m"
-        found[label] = style.area_handle(FLOORS[floor.kind], label)
-    style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
-    for placed in house.walls:
-        along, across = placed.axes[:2, :2]
-        for opening in placed.wall.openings:
-            if not opening.sill <= SECTION_M < opening.sill + opening.height:
-                continue
-            span = placed.origin + np.outer([opening.left, opening.left + opening.width], along)
-            half = across * placed.wall.brick.thickness / 2
-            style.add_bodies(
-                ax, [np.concatenate([span - half, span[::-1] + half])], "white", style.DARK
-            )
-        start = placed.origin + 0.08 * placed.wall.length * along
-        middle = placed.origin + placed.wall.length / 2 * along
-        turn = 90 - (90 - placed.direction) % 180  # from -90, left out, to 90
-        ax.text(*middle, placed.wall.name, ha="center", va="center", rotation=turn, bbox=PAPER)
-        ax.annotate("", start + 0.12 * placed.wall.length * along, start, arrowprops=ARROW)
-    marks = {"toothed": "s", "butted": "o"}
-    for corner in house.corners:
-        one, other = (house.walls[house.names.index(name)] for name in corner.walls)
-        axes = np.array([one.axes[0, :2], -other.axes[0, :2]]).T
-        way = np.linalg.solve(axes, np.subtract(other.origin, one.origin))[0]
-        ax.plot(
-            *(one.origin + way * one.axes[0, :2]), marks[corner.kind], color=style.VERMILLION, ms=4
-        )
-    turn, middle = np.radians(house.heading), (low + high) / 2
-    way = 0.15 * np.ptp(corners[..., 0]) * np.array([np.cos(turn), np.sin(turn)])
-    ax.annotate("", middle + way, middle - way, arrowprops=ARROW | {"color": style.BLUE})
-    ax.text(*middle, "motion", color=style.BLUE, ha="center", va="center", bbox=PAPER)
-    margin = 0.05 * (high - low).max()
-    ax.set(
-        xlim=(low[0] - margin, high[0] + margin),
-        ylim=(low[1] - margin, high[1] + margin),
-        aspect="equal",
-        xlabel="x [m]",
-        ylabel="y [m]",
-        title=f"plan at {SECTION_M:g} m",
-    )
-    ax.title.set(fontsize=7, ha="left", x=0.0)
-    return found | {
-        kind: style.mark_handle(marks[kind], f"{kind} corner")
-        for kind in dict.fromkeys(one.kind for one in house.corners)
-    }
 
 
 # --- files ---------------------------------------------------------------------------------------

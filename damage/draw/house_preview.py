@@ -1,0 +1,141 @@
+"""Drawing of a house before it is run: its plan, with corners, floors and the direction of the
+motion, and its walls."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from damage.draw import style
+from damage.draw.panels import PAGE_WIDTH
+from damage.draw.preview import PAPER, draw_preview
+from damage.wall.geometry import body_table, joint_table
+from damage.wall.house import outline
+from damage.wall.kinds import SLAB_COURSE, TINY
+from damage.wall.plan import plan_of
+
+FLOORS = {"concrete": style.BODY_COLOURS["slabs"], "timber": style.SAND}
+MARKS = {"toothed": "s", "butted": "o"}
+SECTION_M = 1.0  # height of the plan
+ARROW = {"arrowstyle": "->", "lw": 0.8, "color": style.DARK}
+
+
+@style.styled
+def house_preview(layout):
+    """Figure of a house before it is run: its plan, with corners and the direction of the motion,
+    and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
+    house, space, handles = layout.space.house, layout.space, {}
+    walls, n = [one.wall for one in house.bearing], layout.n_joints
+    concrete = [one for one in house.floors if one.kind == "concrete"]
+    concrete.sort(key=lambda floor: floor.level)
+    lengths = [wall.length for wall in walls]
+    scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
+    ends = np.concatenate([_outline(one) for one in house.walls])
+    plan = min(PAGE_WIDTH * np.ptp(ends[:, 1]) / np.ptp(ends[:, 0]), 3.0)
+    high = max(wall.built_height for wall in walls) * scale
+    figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
+    cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
+    handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
+    bodies, joints, middle = body_table(layout), joint_table(layout), np.abs(space.y[:n]) < TINY
+    for number, wall in enumerate(walls):
+        ax = figure.add_subplot(cells[1, number])
+        on_wall = middle & (space.joint_wall[:n] == number)
+        of = (space.wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
+        tables = [
+            one.assign(x_m=one["x_m"] - space.left[number]) for one in (bodies[of], joints[on_wall])
+        ]
+        slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
+        slabs = slabs[[wall.name in one.walls for one in concrete]]
+        slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
+        tables[0] = pd.concat([tables[0], slabs])
+        found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
+        handles |= {handle.get_label(): handle for handle in found}
+        ax.set_title(wall.name, loc="left", fontsize=7)
+        ax.label_outer()
+    title = f"house {house.name}: {len(bodies)} bodies, {n} contact points, "
+    title += f"{layout.total_mass / 1e3:.3g} t; grey arrows: x of the walls"
+    if any(corner.kind == "toothed" for corner in house.corners):
+        title += "; ends that are missing are bricks of the other wall"
+    figure.suptitle(title, x=0.01, ha="left")
+    style.legend_below(figure, list(handles.values()), columns=6)
+    style.settle_layout(figure)
+    return figure
+
+
+def _outline(placed):
+    """Corners of a Placed wall in plan, (4, 2) [m]."""
+    along, across = placed.axes[:2, :2]
+    half = across * placed.wall.brick.thickness / 2
+    ends = np.array([placed.origin, placed.origin + along * placed.wall.length])
+    return np.concatenate([ends - half, ends[::-1] + half])
+
+
+def _area(span):
+    """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
+    return [
+        one.origin + along * one.axes[0, :2]
+        for one, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
+    ]
+
+
+def _draw_plan(ax, house):
+    """Draw the plan of a house; returns {label: handle} of a legend."""
+    corners = np.array([_outline(one) for one in house.walls])
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    found = {}
+    for floor in house.floors:
+        found |= _draw_floor(ax, house, floor)
+    style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
+    for placed in house.walls:
+        _draw_wall(ax, placed)
+    for corner in house.corners:
+        found |= _draw_corner(ax, house, corner)
+    turn, middle = np.radians(house.heading), (low + high) / 2
+    way = 0.15 * np.ptp(corners[..., 0]) * np.array([np.cos(turn), np.sin(turn)])
+    ax.annotate("", middle + way, middle - way, arrowprops=ARROW | {"color": style.BLUE})
+    ax.text(*middle, "motion", color=style.BLUE, ha="center", va="center", bbox=PAPER)
+    margin = 0.05 * (high - low).max()
+    ax.set(
+        xlim=(low[0] - margin, high[0] + margin),
+        ylim=(low[1] - margin, high[1] + margin),
+        aspect="equal",
+        xlabel="x [m]",
+        ylabel="y [m]",
+        title=f"plan at {SECTION_M:g} m",
+    )
+    ax.title.set(fontsize=7, ha="left", x=0.0)
+    return found
+
+
+def _draw_floor(ax, house, floor):
+    carrying, colour = house.carrying(floor), FLOORS[floor.kind]
+    spans = floor.spans(carrying) if floor.kind == "timber" else []
+    for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
+        (x0, y0), (x1, y1) = area
+        style.add_bodies(ax, [[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], colour)
+    label = f"{floor.kind} floor at {floor.level:g} m"
+    return {label: style.area_handle(colour, label)}
+
+
+def _draw_wall(ax, placed):
+    """Draw the openings in the plan, the name and the direction of a Placed wall."""
+    (along, across), wall = placed.axes[:2, :2], placed.wall
+    half = across * wall.brick.thickness / 2
+    for opening in wall.openings:
+        if opening.sill <= SECTION_M < opening.sill + opening.height:
+            span = placed.origin + np.outer([opening.left, opening.left + opening.width], along)
+            gap = np.concatenate([span - half, span[::-1] + half])
+            style.add_bodies(ax, [gap], "white", style.DARK)
+    start = placed.origin + 0.08 * wall.length * along
+    middle = placed.origin + wall.length / 2 * along
+    turn = 90 - (90 - placed.direction) % 180  # from -90, left out, to 90
+    ax.text(*middle, wall.name, ha="center", va="center", rotation=turn, bbox=PAPER)
+    ax.annotate("", start + 0.12 * wall.length * along, start, arrowprops=ARROW)
+
+
+def _draw_corner(ax, house, corner):
+    one, other = (house.walls[house.names.index(name)] for name in corner.walls)
+    axes = np.array([one.axes[0, :2], -other.axes[0, :2]]).T
+    way = np.linalg.solve(axes, np.subtract(other.origin, one.origin))[0]
+    place, mark = one.origin + way * one.axes[0, :2], MARKS[corner.kind]
+    ax.plot(*place, mark, color=style.VERMILLION, ms=4)
+    return {corner.kind: style.mark_handle(mark, f"{corner.kind} corner")}
