@@ -1,6 +1,7 @@
 """Synthetic claims of known truth: coverage of the sheet's intervals, answers, and errors.
 
-    python3 -m paper claim_coverage CLAIM... [--asked-of CLAIM] [--offsets] [--rows ROWS.csv]
+    python3 -m paper claim_coverage CLAIM... [--asked-of CLAIM] [--offsets] [--surveyors N]
+        [--rows ROWS.csv]
 
 CLAIM: folder of `python3 -m damage claim`.  Each of its draws makes up to three claims: a wall by
 both causes (B), by the earthquakes alone (E), and by the settlement alone (S), where the
@@ -8,14 +9,16 @@ earthquakes of the address did not occur.  A surveyor sees cracks from 0.1 mm on
 0.05 mm, half of it by rounding to 0.05 mm, and misses one, a narrow one rather; --offsets: notes
 whether the faces are offset by 0.1 mm.  A wall without a surveyed crack makes no claim.  The sheet
 answers from all other draws: the claim's own draw is left out.  --asked-of: from the draws of
-another wall, whose joints the cracks are laid on.
+another wall, whose joints the cracks are laid on; --surveyors: each claim so often, with other
+errors of its survey.
 
 Prints four tables. Claims, why there is no answer, and answers that are wrong, also where only the
-number of draws forbids one. Cracks of the claims, and the answers on each, of which the truth is
-its paired run without that cause. For each prior of settlement the share of claims, weighted by
-that prior, whose true widths lie in the 90 % intervals. What the sheet states as "not without the
-earthquakes" beside what was so, by a prior of 0.5, and the share of draws that resemble a survey,
-from which follows how many are needed.
+number of draws forbids one; on stderr the share of wrong ones with its upper bound (95 %, exact
+binomial, as if claims were independent). Cracks of the claims, and the answers on each, of which
+the truth is its paired run without that cause. For each prior of settlement the share of claims,
+weighted by that prior, whose true widths lie in the 90 % intervals. What the sheet states as "not
+without the earthquakes" beside what was so, by a prior of 0.5, and the share of draws that resemble
+a survey, from which follows how many are needed.
 """
 
 import sys
@@ -24,6 +27,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 from damage.applications.cracks.crack_file import pattern_of
 from damage.applications.cracks.survey import Seen, distances, seen_of, survey_of, surveyed
@@ -164,9 +168,9 @@ def truth(twins, kind, k):
     }
 
 
-def rows_of(library, of, offsets, seed=1):
+def rows_of(library, of, offsets, seed):
     """A row a claim of the draws of one Library, answered from the draws of another, or from its
-    own others."""
+    own others; seed: of the survey's errors."""
     rows = []
     for k in range(len(library.twins)):
         for kind, state in CLAIMS.items():
@@ -291,6 +295,7 @@ def print_cracks(rows, title):
 
 def print_rows(rows, title):
     """Rows of the table of one set of claims, by kind."""
+    totals = np.zeros(4, int)
     for kind in CLAIMS:
         mine = rows[rows["kind"] == kind]
         if not len(mine):
@@ -307,6 +312,16 @@ def print_rows(rows, title):
                 sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names),
             ]
         print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
+        totals += counts[-4:]
+    for rule, (said, wrong) in zip(
+        ("", f" below {LEAST_DRAWS} draws, too"), totals.reshape(2, 2).tolist()
+    ):
+        if said:
+            bound = binomtest(wrong, said, alternative="less").proportion_ci(0.95).high
+            print(
+                f"{title}: {wrong} of {said} answers{rule} wrong, at most {100 * bound:.1f} %",
+                file=sys.stderr,
+            )
 
 
 def main():
@@ -315,11 +330,16 @@ def main():
         option("claims", nargs="+", type=Path),
         option("--asked-of", type=Path),
         option("--offsets", action="store_true"),
+        option("--surveyors", type=int, default=1),
         option("--rows", type=Path),
     )
     libraries = [Library(folder, asked.offsets) for folder in asked.claims]
     other = asked.asked_of and Library(asked.asked_of, asked.offsets)
-    tables = [rows_of(one, other or one, asked.offsets) for one in libraries]
+    seeds = range(1, asked.surveyors + 1)
+    tables = [
+        pd.concat([rows_of(one, other or one, asked.offsets, seed) for seed in seeds])
+        for one in libraries
+    ]
     if asked.rows:
         pd.concat(tables).to_csv(asked.rows, index=False)
     below = f"answers below {LEAST_DRAWS} draws, too"
