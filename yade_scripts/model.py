@@ -301,7 +301,7 @@ class YadeWall:
 
     def regain(self):
         """Give YADE's contact of a tip that was out of reach and touches its face again the
-        stiffnesses and friction of the one before; returns the joints."""
+        stiffnesses and friction of the one before."""
         found = [joint for joint in self.gone if self.bonds[joint].isReal]
         for joint in found:
             contact, old = self.bonds[joint], self.physics[joint]
@@ -310,7 +310,6 @@ class YadeWall:
             self._put(joint, contact)
             self.work.renew(contact)
         self.gone.difference_update(found)
-        return found
 
     def collisions(self):
         """YADE's interactions between loose bricks, also those that only begin or are over."""
@@ -449,7 +448,7 @@ def build(layout, dt, corner_depth=0.0):
     for index, bond in enumerate(bonds):
         _set_bond(bond.phys, layout, index)
     bonding.cohesiveTresholdIteration = 0
-    work = FrictionWork(friction, layout.n_joints)
+    work = FrictionWork(friction)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 

@@ -290,7 +290,6 @@ def check_house(settings, house):
             "a pushed top that may not rotate freely",
             drive.top and (not drive.top_rotates or drive.top_stiffness),
         ),
-        ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
         ("--new-contacts", settings.new_contacts),
@@ -340,7 +339,7 @@ def _opened(plan, state, parameters, out, write):
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
-    if writer.path and not layout.space:
+    if writer.path:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
