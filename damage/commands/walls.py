@@ -24,10 +24,10 @@ from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.house import is_house, read_house
+from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
-from damage.wall.space import lay_out_house
 
 
 @command(

@@ -39,9 +39,9 @@ from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
 from damage.wall.house import House, masonry_of
+from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
-from damage.wall.space import lay_out_house
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from damage.history.reader import read_history
 from damage.law.modes import stiffness_matrix
 from damage.measure.energy import energy_error
 from damage.wall.house import read_house
-from damage.wall.space import lay_out_house
+from damage.wall.house_layout import lay_out_house
 
 pytestmark = pytest.mark.yade
 

@@ -24,9 +24,9 @@ from damage.law.modes import natural_modes, stiffness_matrix
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.house import Corner, Diaphragm, House, Placed
+from damage.wall.house_layout import lay_out_house
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.space import lay_out_house
 from yade_scripts.solver import YadeSolver
 
 
