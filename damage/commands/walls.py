@@ -18,7 +18,8 @@ from damage.motion.plausible import (
     record_warnings,
 )
 from damage.provenance import shown_path
-from damage.run.options import ACCEPTING, PREPARATION, UNITS, model_arguments, model_of, recorded
+from damage.run.motion_options import PREPARATION, recorded
+from damage.run.options import ACCEPTING, UNITS, model_arguments, model_of
 from damage.wall import as_built, materials
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
