@@ -6,6 +6,7 @@ about its face; with two Gauss points it would fall at 0.58 of that.
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -66,6 +67,14 @@ class Space:
         """The Supports along the heading, from where the house begins."""
         start = self.ground_left.min()
         return Supports(self.ground_left - start, self.ground_right - start)
+
+    @cached_property
+    def inner(self):
+        """Of each contact point of a joint those beside it towards its middle, itself where it is
+        there, (n_contacts, 2)."""
+        between, own = self.joint_wall < 0, np.arange(len(self.joint_wall))
+        row, place = np.divmod(own - np.where(between, self.joint_wall.argmin(), 0), 3)
+        return np.column_stack([own + 1 - place, own + np.where(between, 3 * (1 - row % 3), 0)])
 
     @property
     def of_body(self):
