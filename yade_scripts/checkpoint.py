@@ -267,10 +267,10 @@ def _bind(solver, tables):
         O.bodies[model.faces[body, "box"]].state for body in range(len(model.clumps))
     ]
     scene.states[:] = [O.bodies[clump].state for clump in model.clumps]
-    there = [*zip(model.bonds, scene.geometries, scene.physics)]
-    there += [(dry, dry.geom, dry.phys) for dry in model.frayed.values()]
+    contacts = dict(enumerate(zip(scene.geometries, scene.physics)))
+    contacts |= {joint: (dry.geom, dry.phys) for joint, dry in model.frayed.items()}
     work.watch_again(
-        {(bond.id1, bond.id2): (geom, phys) for bond, geom, phys in there},
+        contacts,
         tables["watched"].tolist(),
         tables["watching"].tolist(),
         float(tables["slid"]),

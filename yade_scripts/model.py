@@ -147,6 +147,7 @@ class YadeWall:
         contact.phys.shearForce = shear
         self._put(joint, contact)
         self.work.add(
+            joint,
             contact,
             self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0),
         )
@@ -193,7 +194,7 @@ class YadeWall:
         dissipates."""
         contact, phys = self.bonds[joint], self.physics[joint]
         depth = max(self.geometries[joint].penetrationDepth, 0.0)
-        self.work.end(contact, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
+        self.work.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
         self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
@@ -215,7 +216,7 @@ class YadeWall:
         """Replace a tip that crushing has made too small by one farther inside its brick."""
         old = self.contacts_of(joint)[-1]
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
-        self.work.forget(old)
+        self.work.forget(joint)
         worn = self._tip_of[joint]
         force, torque, there = (
             O.forces.f(worn, True),
@@ -233,7 +234,7 @@ class YadeWall:
         O.forces.addF(point, force)
         O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
         contact.phys.shearForce = shear
-        self.work.renew(contact)
+        self.work.renew(joint, contact)
 
     def _touch(self, joint, normal_stiffness, shear_stiffness):
         """Create the tip of a joint, moved by its plastic closure, and return its contact with the
@@ -322,7 +323,7 @@ class YadeWall:
             contact.phys.kn, contact.phys.ks = old.kn, old.ks
             contact.phys.tangensOfFrictionAngle = old.tangensOfFrictionAngle
             self._put(joint, contact)
-            self.work.renew(contact)
+            self.work.renew(joint, contact)
         self.gone.difference_update(found)
 
     def collisions(self):
@@ -462,7 +463,7 @@ def build(layout, dt, corner_depth=0.0):
     for index, bond in enumerate(bonds):
         _set_bond(bond.phys, layout, index)
     bonding.cohesiveTresholdIteration = 0
-    work = FrictionWork(friction)
+    work = FrictionWork(friction, layout.n_joints)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 

@@ -31,7 +31,6 @@ class SpaceReader(SceneReader):
         # the numbers of points last, which numpy takes at once
         self._arms = [(space.place - centres[end]).T for end in self._ends]
         self._axes = np.ascontiguousarray(space.axes.transpose(1, 2, 0))
-        self._tangents = [(Vector3(*one), Vector3(*other)) for _, one, other in space.axes.tolist()]
         # about the axes of a body: along, across and upwards
         self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
 
@@ -101,13 +100,14 @@ class SpaceReader(SceneReader):
         across, along, through = _product(self._axes[:, :, joints], apart)
         return across, along + 1j * through
 
+    def openings(self, select):
+        return -self.model.work.numbers.read(select)[0]
+
     def shear_stresses(self, select):
         """As of SceneReader, complex."""
-        forces = ((self.physics[joint].shearForce, *self._tangents[joint]) for joint in select)
-        shear = np.array(
-            [complex(force.dot(one), force.dot(other)) for force, one, other in forces]
-        )
-        return -self.model.signs[select] * shear / self.area[select]
+        force = self.model.work.numbers.read(select)[2]
+        _, along, through = _product(self._axes[:, :, select], force)
+        return -self.model.signs[select] * (along + 1j * through) / self.area[select]
 
     def force_of(self, joint):
         """As of SceneReader; the shear force is a size."""

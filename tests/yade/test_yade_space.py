@@ -184,6 +184,16 @@ def test_a_house_turns_with_its_ground_without_strain(yade_command):
     assert found["opening"] < 1e-4
 
 
+def test_numbers_from_yade_s_memory_are_those_that_it_gives(yade_command):
+    """Another build of YADE, whose numbers are in other places, is asked for them."""
+    found = _check(yade_command, "numbers")
+    assert found["alike"]
+    assert found["views_memory"] > 100
+    assert found["views_asked"] == 0
+    assert found["memory"] == found["asked"] > 0
+    assert found["refused"]
+
+
 def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(yade_command):
     """In the head joint at the middle of its top, where a plate on three sides bends most."""
     found = _check(yade_command, "bonded")

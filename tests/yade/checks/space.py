@@ -5,6 +5,7 @@ yade tests/yade/checks/space.py box                four walls stay symmetric
 yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
                                                    these horizontal accelerations [g] in turn
 yade tests/yade/checks/space.py tilt               a house turns with its ground
+yade tests/yade/checks/space.py numbers            what is read from YADE's memory
 yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
 yade tests/yade/checks/space.py strip 5e4 0.96 1   a strip between floors bends out of plane, of
                                                    this tensile strength [Pa], under accelerations
@@ -34,6 +35,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.restraints import Restraint
+from yade_scripts import memory
 from yade_scripts.solver import YadeSolver
 
 
@@ -152,6 +154,30 @@ def front_between(joint):
         [Corner(("front", one.name), "toothed") for one in sides],
         heading=90,
     )
+
+
+def numbers():
+    """Work of friction [J] of a dry front that slides for 150 steps, from YADE's memory and as of a
+    build that has other places; how many contacts are read there; whether their numbers are those
+    that Python gets; and whether an address of no memory is refused."""
+    house, found = front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)), {"alike": True}
+    for name in ("memory", "asked"):
+        solver = solver_of(house)
+        base = np.tile([1.5 * GRAVITY, 0.0, 0.0], (200, 1))
+        solver.start(base, np.array([GRAVITY]))
+        for _ in range(3):
+            solver.advance(50)
+            work = solver.model.work
+            joints = work.tables()[0]
+            depth, slid, force = work.numbers.read(joints)
+            for row, joint in enumerate(joints):
+                geom, phys = solver.scene.geometries[joint], solver.scene.physics[joint]
+                asked = [geom.penetrationDepth, *geom.shearInc, *phys.shearForce]
+                found["alike"] &= [depth[row], *slid[:, row], *force[:, row]] == asked
+        found[name] = work.total
+        found[f"views_{name}"] = sum(bool(work.numbers._views[joint]) for joint in joints)
+        memory._HELD = None
+    return found | {"refused": not memory._there(8, [0.0])}
 
 
 def tilt():
@@ -358,6 +384,7 @@ CHECKS = {
     "corner": corner,
     "bonded": bonded,
     "strip": strip,
+    "numbers": numbers,
     "tilt": tilt,
 }
 print(json.dumps(CHECKS[sys.argv[1]](*map(float, sys.argv[2:]))))
