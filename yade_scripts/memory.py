@@ -82,7 +82,7 @@ class ContactNumbers:
             views = np.array([geom.penetrationDepth, *slid]), np.array([*force])
         else:
             views = _place(slid, [geom.penetrationDepth]), _place(force)
-        self._views[row] = None if None in views else views
+        self._views[row] = None if any(view is None for view in views) else views
 
     def read(self, rows):
         """Depths [m], shear displacements in the last step (3, m) [m] and shear forces (3, m) [N]
