@@ -35,6 +35,7 @@ from damage.units import GRAVITY
 from damage.wall.kinds import CUT, GROUND, rows
 from damage.wall.kinematics import places_of
 from yade_scripts.friction_work import FrictionWork
+from yade_scripts.joint_tracker import frictions
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
 # [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
@@ -468,15 +469,15 @@ def build(layout, dt, corner_depth=0.0):
     if layout.space:
         parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
-    for index, bond in enumerate(bonds):
-        _set_bond(bond.phys, layout, index)
+    for index, (bond, friction) in enumerate(zip(bonds, frictions(layout, False).tolist())):
+        _set_bond(bond.phys, layout, index, friction)
     bonding.cohesiveTresholdIteration = 0
     work = FrictionWork(friction, layout.n_joints)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 
-def _set_bond(phys, layout, index):
-    """Set area, stiffness and strength of a JCFpm bond to those of its contact point."""
+def _set_bond(phys, layout, index, friction):
+    """Set area, stiffness, strength and friction of a JCFpm bond to those of its contact point."""
     contacts = layout.contacts
     area = float(contacts.area[index])
     phys.isCohesive = True
@@ -489,7 +490,7 @@ def _set_bond(phys, layout, index):
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
     if contacts.kind[index] == CUT or index >= layout.n_joints:
         phys.FnMax = phys.FsMax = UNBREAKABLE  # they fail by `splitting` and `ties`, or not at all
-    phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
+    phys.tanFrictionAngle = friction
 
 
 def _set_clump(state, mass, inertia, held):

@@ -129,9 +129,30 @@ def test_what_takes_a_wall_says_that_this_is_a_house():
     assert "houses run by ./yade" in one_line_error(load_wall, BOX)
 
 
-def test_walls_of_other_masonry_or_of_the_plane_alone_are_refused():
-    one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, joint=Joint(cohesion=1e5))
-    assert "one masonry" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
+def test_corners_of_two_masonries_have_the_weaker_properties():
+    """Each wall keeps its own; a half brick makes room for a brick of the other wall."""
+    ends = ("one", "whole", 5e9, 2e5, 0.5, 1500), ("other", "half", 8e9, 1e5, 0.7, 2000)
+    walls = []
+    for name, base, stiff, bond, friction, density in ends:
+        joint = Joint(stiff, 2e9, friction, 1e5, bond)
+        brick = replace(ASHLAR["brick"], density=density)
+        walls.append(Wall(name, 0.8, base_course=base, **ASHLAR | {"joint": joint, "brick": brick}))
+    placed = Placed(walls[0]), Placed(walls[1], (0.1, -0.1), 90)
+    layout = lay_out_house(House("two", placed, [Corner(("one", "other"), "toothed")]))
+    assert_allclose(layout.total_mass, 0.2 * 0.2 * (1500 * (0.8 + 0.6) + 2000 * (0.6 + 0.8)))
+    contacts, wall = layout.contacts, layout.space.joint_wall
+    for number, cohesion in ((0, 2e5), (1, 1e5), (-1, 1e5)):
+        assert set(contacts.cohesion[wall == number]) == {cohesion}
+    friction = layout.space.lesser(contacts, np.array([0.5, 0.7]))
+    assert [set(friction[wall == number]) for number in (0, 1, -1)] == [{0.5}, {0.7}, {0.5}]
+    flat = (wall == -1) & (contacts.kind == 0)
+    brick = walls[0].brick
+    assert_allclose(contacts.normal_stiffness[flat], 1 / (1 / 5e9 + 0.2 / brick.young_modulus))
+
+
+def test_bricks_of_two_sizes_or_what_runs_in_the_plane_alone_are_refused():
+    one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, brick=Brick(0.45, 0.075, 0.1025))
+    assert "expected one size" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
     soft = Wall(
         "soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50)
     )

@@ -128,6 +128,13 @@ def test_ties_share_a_push_and_fail_at_their_strength_with_their_energy(yade_com
     assert_allclose(found["energies"], 1, atol=0.01)
 
 
+def test_each_wall_of_a_house_slides_by_its_own_friction(yade_command):
+    found = _check(yade_command, "masonries")
+    resting, sliding = found["moved_mm"]
+    assert abs(resting) < 0.1
+    assert_allclose(sliding, found["exact_mm"], rtol=0.02)
+
+
 def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path):
     """A leaf that bears a load sways less than one without."""
     size = "length = 0.4\nheight = 0.8\njoint = { tensile_strength = 1e6, cohesion = 1e6 }\n"

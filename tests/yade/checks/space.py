@@ -8,6 +8,7 @@ yade tests/yade/checks/space.py tilt               a house turns with its ground
 yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
 yade tests/yade/checks/space.py ties               two blocks with a tie: share of a push, force at
                                                    which it pulls out or buckles, energy
+yade tests/yade/checks/space.py masonries          two dry blocks of other friction slide, or rest
 yade tests/yade/checks/space.py strip 5e4 0.96 1   a strip between floors bends out of plane, of
                                                    this tensile strength [Pa], under accelerations
                                                    [g], beside the plane model
@@ -363,6 +364,29 @@ def leaves(share=1 / 3):
     return solver_of(House("leaves", walls, ties=[ties]), share=share), compliance
 
 
+def masonries():
+    """How far [mm] two dry blocks with a friction of 0.4 and 0.6 slide in 0.2 s under 0.5 g, and
+    the one with less by hand."""
+    size, walls = {"length": 0.4, "height": 0.2, "precompression": 0}, []
+    for y, friction in ((0, 0.6), (1, 0.4)):
+        joint = Joint(1e10, 4e9, math.atan(friction), tensile_strength=0, cohesion=0)
+        brick = Brick(0.4, 0.2, 0.2, density=4000 * friction)
+        walls.append(Placed(Wall(f"block-{y}", brick=brick, joint=joint, **size), (0, y)))
+    solver = solver_of(House("masonries", walls))
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    solver.advance(int(0.02 / O.dt))
+    solver.damp()
+    steps = round(0.2 / O.dt)
+    base = np.zeros((steps, 3))
+    base[:, 0] = 0.5 * GRAVITY
+    solver.start(base, np.array([GRAVITY]))
+    before = solver.scene.motion()[:, 0]
+    solver.advance(steps)
+    moved = 1e3 * (before - solver.scene.motion()[:, 0])
+    return {"moved_mm": moved.tolist(), "exact_mm": 1e3 * 0.5 * 0.1 * GRAVITY * 0.2**2}
+
+
 TIE_N_M = 1e7
 
 
@@ -405,6 +429,7 @@ CHECKS = {
     "box": box,
     "corner": corner,
     "bonded": bonded,
+    "masonries": masonries,
     "strip": strip,
     "ties": ties,
     "tilt": tilt,
