@@ -124,9 +124,20 @@ class YadeWall:
             else phys.tangensOfFrictionAngle
         )
 
+    def tensile_strengths(self, joints):
+        """Of bonds (m,) [Pa], none where one towards a face of the wall has failed (`loosen`)."""
+        found, space = self.layout.contacts.tensile_strength[joints], self.layout.space
+        if space:
+            found[np.isin(joints, space.inner[~self.bonded])] = 0.0
+        return found
+
     def loosen(self, joint):
         """Replace a failed bond by a tip on a face, with the shear force of the bond after its
-        failure."""
+        failure.
+
+        In a house the bond beside it, towards the middle of the wall, has no tensile strength from
+        then on: a crack has its tip there.
+        """
         bond, tip = self.bonds[joint], self.tips[joint]
         sign = 1.0 if tip.is_second else -1.0
         shear = self.signs[joint] * sign * bond.phys.shearForce
@@ -139,6 +150,9 @@ class YadeWall:
             contact,
             self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0),
         )
+        for inner in self.layout.space.inner[joint] if self.layout.space else ():
+            if self.bonded[inner]:
+                self.physics[inner].FnMax = LEAST_STRENGTH
 
     def fray(self, joint):
         """Add a dry contact without stiffness beside a bond, for its failed parallel elements."""

@@ -308,7 +308,7 @@ class YadeSolver(Solver):
             return
         tracker = self.tracker
         _, shear = self._displacements(new)
-        for joint, slip in zip(new, shear):
+        for joint, slip, strength in zip(new, shear, self.model.tensile_strengths(new)):
             opening = self.scene.opening_of(joint)
             sigma, tau = (
                 tracker.normal_stiffness[joint] * opening,
@@ -317,7 +317,7 @@ class YadeSolver(Solver):
             if self.scene.bundles:
                 self._fray(joint, opening, slip, sigma, tau)
                 continue
-            kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
+            kind = "tension" if sigma > strength else "shear"
             tracker.friction[joint] = self.model.friction_of(joint)
             tracker.breaks(joint, kind, sigma, tau)
             self.model.loosen(joint)

@@ -29,7 +29,8 @@ from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resume
 from damage.run.cooperative import run_each, take_turns
 from damage.run.initial_state import read_state, without_bond
 from damage.run.monitor import DROP, FAILURE
-from damage.run.options import RUN_MEMBERS, free_name, parse_run
+from damage.run.options import RUN_MEMBERS, parse_run
+from damage.run.paths import free_name
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
@@ -39,9 +40,9 @@ from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
 from damage.wall.house import House, masonry_of
+from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
-from damage.wall.space import lay_out_house
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@
     walls = ["left", "right"]
     mass_per_area = 80
 
-Its runs are YADE's: `./yade HOUSE.toml`.  `damage.wall.space` lays it out.
+Its runs are YADE's: `./yade HOUSE.toml`.  `damage.wall.house_layout` lays it out.
 """
 
 from dataclasses import dataclass, replace

@@ -12,10 +12,10 @@ from damage.law.modes import natural_modes, stiffness_matrix
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
 from damage.wall.house import Corner, Diaphragm, House, Placed, read_house
+from damage.wall.house_layout import JOIST_M2, JOIST_PA, lay_out_house
 from damage.wall.kinds import SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.space import JOIST_M2, JOIST_PA, lay_out_house
 
 BOX = REPOSITORY / "houses/box.toml"
 TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}

@@ -115,7 +115,8 @@ def test_words_that_are_no_options_are_shown_harmlessly(error_of):
 def test_a_long_name_of_a_run_is_cut(tmp_path, monkeypatch):
     """Its record's name, factors and model make a default name of over 255 bytes: two runs of one
     start differ."""
-    from damage.run.options import free_name, parse_run
+    from damage.run.options import parse_run
+    from damage.run.paths import free_name
 
     factors = ["1" + k * ",0.125" for k in (80, 81)]
     names = [

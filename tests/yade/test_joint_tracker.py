@@ -16,11 +16,11 @@ from damage.law.joint_law import (
     material_of,
 )
 from damage.wall.house import Diaphragm, House, Placed
+from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.space import lay_out_house
 from yade_scripts.joint_tracker import JointTracker
 
 FIVE_FIFTY = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
