@@ -128,7 +128,8 @@ class YadeWall:
         """Of bonds (m,) [Pa], none where one towards a face of the wall has failed (`loosen`)."""
         found, space = self.layout.contacts.tensile_strength[joints], self.layout.space
         if space:
-            found[np.isin(joints, space.inner[~self.bonded])] = 0.0
+            failed = np.flatnonzero(~self.bonded[: self.layout.n_joints])
+            found[np.isin(joints, space.inner[failed])] = 0.0
         return found
 
     def loosen(self, joint):
@@ -194,10 +195,17 @@ class YadeWall:
         contact, phys = self.bonds[joint], self.physics[joint]
         depth = max(self.geometries[joint].penetrationDepth, 0.0)
         self.work.end(contact, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
+        self.remove(joint)
+
+    def remove(self, joint):
+        """Remove the interaction of a contact point, which has no force and no depth from then
+        on."""
+        contact, phys = self.bonds[joint], self.physics[joint]
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
         self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
         phys.normalForce = phys.shearForce = Vector3.Zero
+        self.bonded[joint] = False
 
     def contacts_of(self, joint):
         """Interactions of a joint: the bond, or the dry contact that replaced it; of one that
@@ -301,7 +309,7 @@ class YadeWall:
         for contact in self.collisions():
             if contact.geom.penetrationDepth < 0:
                 O.interactions.erase(contact.id1, contact.id2)
-        for joint in np.flatnonzero(~self.bonded):
+        for joint in np.flatnonzero(~self.bonded[: self.layout.n_joints]):
             contact = self.bonds[joint]
             # A face that extends beyond its brick must not be touched by a tip that returns another
             # way.
@@ -479,8 +487,8 @@ def _set_bond(phys, layout, index):
         UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area)
     )
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
-    if contacts.kind[index] == CUT:
-        phys.FnMax = phys.FsMax = UNBREAKABLE  # it fails by `splitting`
+    if contacts.kind[index] == CUT or index >= layout.n_joints:
+        phys.FnMax = phys.FsMax = UNBREAKABLE  # they fail by `splitting` and `ties`, or not at all
     phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
 
 

@@ -100,7 +100,7 @@ def joined_at(layout, one, other):
     ]
     kind, n = np.where(normal == 2, BED, HEAD), layout.n_joints
     points = Points(kind, first, second, place, turned, distance / 2, area, *stiffness)
-    strength = joint.tensile_strength, joint.cohesion
+    strength = joint.tensile_strength, joint.cohesion, np.inf
     return replace(with_points(layout, n, points, one, strength), n_joints=n + len(first))
 
 

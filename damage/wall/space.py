@@ -190,9 +190,9 @@ def _remaining(layout, bodies, kept):
     return np.flatnonzero(kept & alike & (layout.space.wall == layout.space.wall[bodies[0]]))
 
 
-def with_points(layout, n, points, wall=0, strength=(np.inf, np.inf)):
+def with_points(layout, n, points, wall, strength):
     """The Layout with these points between two walls, unfolded with this one, from row n on;
-    strength: tensile strength and cohesion [Pa]."""
+    strength: tensile strength, cohesion and compressive strength [Pa]."""
     space, end = layout.space, np.zeros(len(points.first), int)
     one, place = space.house.walls[wall], points.place
     local = (place - [*one.origin, 0.0]) @ one.axes.T
@@ -206,10 +206,8 @@ def with_points(layout, n, points, wall=0, strength=(np.inf, np.inf)):
         points.area,
         points.normal_stiffness,
         points.shear_stiffness,
-        end + strength[0] == np.inf,
-        end + strength[0],
-        end + strength[1],
-        end + np.inf,
+        end + strength[1] == np.inf,
+        *(end + one for one in strength),
         end + GROUND,
         end + GROUND,
     )

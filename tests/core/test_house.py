@@ -16,6 +16,7 @@ from damage.wall.house_layout import JOIST_M2, JOIST_PA, lay_out_house
 from damage.wall.kinds import SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Wall
+from damage.wall.ties import Ties
 
 BOX = REPOSITORY / "houses/box.toml"
 TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
@@ -180,6 +181,47 @@ def test_timber_floors_load_parallel_walls_by_half_their_spans_and_anchors_tie_t
     away[free.space.wall == 2, 3] = 1.0
     held, loose = (away.ravel() @ stiffness_matrix(one) @ away.ravel() for one in (tied, free))
     assert_allclose(held - loose, 3 * JOIST_PA * JOIST_M2 / 3, rtol=1e-4)
+
+
+def _cavity(per_area=6.25, y=0.3, **outer):
+    """A house of two leaves, 1.6 x 0.8 m, the outer one seen from outside."""
+    leaves = [Wall("inner", 1.6, **TALL), Wall("outer", 1.6, **TALL, **outer)]
+    places = Placed(leaves[0]), Placed(leaves[1], (1.6, y), 180)
+    return House("cavity", places, ties=[Ties(("inner", "outer"), per_area, 1e6, 1000, 500)])
+
+
+def test_ties_join_the_units_of_two_leaves_at_the_same_place():
+    """Four columns and two rows: each takes its stiffness where the outer leaf moves away, and none
+    where it moves along; a window in one leaf takes away one."""
+    window = damage.Opening(left=0.8, width=0.4, height=0.4, sill=0.4)
+    for outer, number in (({}, 8), ({"openings": (window,)}, 7)):
+        house = _cavity(**outer)
+        tied, loose = (lay_out_house(one) for one in (house, replace(house, ties=())))
+        moved = np.zeros((2, len(tied.bodies), 6))
+        moved[0, tied.space.wall == 1, 3] = moved[1, tied.space.wall == 1, 0] = 1.0
+        found = [
+            [one.ravel() @ stiffness_matrix(layout) @ one.ravel() for one in moved]
+            for layout in (tied, loose)
+        ]
+        assert_allclose(np.subtract(*found), [number * 1e6, 0], rtol=1e-3, atol=50)
+        ends = np.stack([tied.contacts.first, tied.contacts.second])[:, tied.n_joints :]
+        places = tied.space.centres(tied.bodies)[ends]
+        assert np.ptp(places[..., 0], axis=0).max() < 0.5
+
+
+def test_ties_without_two_leaves_at_their_place_are_refused_with_it():
+    assert "more than the thickness of 0.2 m" in one_line_error(_cavity, y=0.0)
+    assert "at (1.6, 0.1) m: expected a cavity" in one_line_error(_cavity, y=0.1)
+    window = damage.Opening(left=0.4, width=0.8, height=0.4, sill=0.2)
+    assert "as at (0.800, 0.000, 0.400) m" in one_line_error(
+        lambda: lay_out_house(_cavity(0.5, openings=(window,)))
+    )
+    turned = replace(_cavity(), ties=())
+    for walls, says in (
+        (["inner", "attic"], "inner, outer, that are"),
+        (["inner"] * 2, "parallel"),
+    ):
+        assert says in one_line_error(replace, turned, ties=[Ties(walls, 4, 1e6, 1e3, 1e3)])
 
 
 def test_the_terraced_house_that_ships_weighs_what_its_floors_bring():

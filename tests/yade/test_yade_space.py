@@ -117,6 +117,41 @@ def test_a_house_turns_with_its_ground_without_strain(yade_command):
     assert found["opening"] < 1e-4
 
 
+def test_ties_share_a_push_and_fail_at_their_strength_with_their_energy(yade_command):
+    """Two blocks that slide and rock on their joints, springs joined by a third."""
+    found = _check(yade_command, "ties")
+    for way in ("tension", "compression"):
+        one = found[way]
+        assert_allclose(one["share"], one["exact_share"], rtol=1e-4)
+        assert abs(one["force_n"] - one["exact_n"]) < 50
+    assert found["failed"] == 1
+    assert_allclose(found["energies"], 1, atol=0.01)
+
+
+def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path):
+    """A leaf that bears a load sways less than one without."""
+    size = "length = 0.4\nheight = 0.8\njoint = { tensile_strength = 1e6, cohesion = 1e6 }\n"
+    brick = "brick = { length = 0.4, height = 0.2, thickness = 0.1 }\n"
+    for name, load in (("inner", 2e5), ("outer", 0)):
+        written(
+            tmp_path / f"{name}.toml", f'name = "{name}"\nprecompression = {load}\n{size}{brick}'
+        )
+    ties = 'walls = ["inner", "outer"]\nper_area = 6.25\nstiffness = 1e6\n'
+    ties += "tension = 100\ncompression = 5000\n"
+    walls = '[[walls]]\nfile = "inner.toml"\n[[walls]]\nfile = "outer.toml"\norigin = [0, 0.2]\n'
+    house = written(
+        tmp_path / "cavity.toml", f'name = "cavity"\nheading = 90\n{walls}[[ties]]\n{ties}'
+    )
+    motion, out = ("--harmonic", 0.04, 0.4, "--cycles", 1, "--rest", 0.01), tmp_path / "cavity.h5"
+    yade_command(*SHORT, DATA, house, *motion, "--no-pictures", "--out", out, status=0)
+    history = read_history(out)
+    assert history.house.failed_ties[0] == 0
+    assert 0 < history.house.failed_ties[-1] <= 2
+    assert energy_error(history.series) < 0.01
+    failed = json.loads(damage_command("index", out, "--json", status=0).stdout)["failed_ties"]
+    assert failed == history.house.failed_ties[-1]
+
+
 def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(yade_command):
     """In the head joint at the middle of its top, where a plate on three sides bends most."""
     found = _check(yade_command, "bonded")
