@@ -217,7 +217,8 @@ def _removed(solver):
     return np.array(
         [
             (
-                *(k, geom.penetrationDepth, phys.kn, phys.ks, phys.tangensOfFrictionAngle),
+                *(k, geom.penetrationDepth, phys.kn, phys.ks),
+                getattr(phys, "tangensOfFrictionAngle", 0.0),  # none of a tie
                 *(*phys.normalForce, *phys.shearForce),
             )
             for k, (bond, geom, phys) in enumerate(

@@ -35,6 +35,7 @@ from damage.units import GRAVITY
 from damage.wall.kinds import CUT, GROUND, rows
 from damage.wall.kinematics import places_of
 from yade_scripts.friction_work import FrictionWork
+from yade_scripts.joint_tracker import frictions
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
 # [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
@@ -128,7 +129,8 @@ class YadeWall:
         """Of bonds (m,) [Pa], none where one towards a face of the wall has failed (`loosen`)."""
         found, space = self.layout.contacts.tensile_strength[joints], self.layout.space
         if space:
-            found[np.isin(joints, space.inner[~self.bonded])] = 0.0
+            failed = np.flatnonzero(~self.bonded[: self.layout.n_joints])
+            found[np.isin(joints, space.inner[failed])] = 0.0
         return found
 
     def loosen(self, joint):
@@ -192,13 +194,20 @@ class YadeWall:
     def end(self, joint):
         """Remove the contact of a joint whose faces no longer overlap; its elastic energy
         dissipates."""
-        contact, phys = self.bonds[joint], self.physics[joint]
+        phys = self.physics[joint]
         depth = max(self.geometries[joint].penetrationDepth, 0.0)
         self.work.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
+        self.remove(joint)
+
+    def remove(self, joint):
+        """Remove the interaction of a contact point, which has no force and no depth from then
+        on."""
+        contact, phys = self.bonds[joint], self.physics[joint]
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
         self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
         phys.normalForce = phys.shearForce = Vector3.Zero
+        self.bonded[joint] = False
 
     def contacts_of(self, joint):
         """Interactions of a joint: the bond, or the dry contact that replaced it; of one that
@@ -302,7 +311,7 @@ class YadeWall:
         for contact in self.collisions():
             if contact.geom.penetrationDepth < 0:
                 O.interactions.erase(contact.id1, contact.id2)
-        for joint in np.flatnonzero(~self.bonded):
+        for joint in np.flatnonzero(~self.bonded[: self.layout.n_joints]):
             contact = self.bonds[joint]
             # A face that extends beyond its brick must not be touched by a tip that returns another
             # way.
@@ -460,15 +469,15 @@ def build(layout, dt, corner_depth=0.0):
     if layout.space:
         parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
-    for index, bond in enumerate(bonds):
-        _set_bond(bond.phys, layout, index)
+    for index, (bond, intact) in enumerate(zip(bonds, frictions(layout, False).tolist())):
+        _set_bond(bond.phys, layout, index, intact)
     bonding.cohesiveTresholdIteration = 0
     work = FrictionWork(friction, layout.n_joints)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 
-def _set_bond(phys, layout, index):
-    """Set area, stiffness and strength of a JCFpm bond to those of its contact point."""
+def _set_bond(phys, layout, index, friction):
+    """Set area, stiffness, strength and friction of a JCFpm bond to those of its contact point."""
     contacts = layout.contacts
     area = float(contacts.area[index])
     phys.isCohesive = True
@@ -479,9 +488,9 @@ def _set_bond(phys, layout, index):
         UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area)
     )
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
-    if contacts.kind[index] == CUT:
-        phys.FnMax = phys.FsMax = UNBREAKABLE  # it fails by `splitting`
-    phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
+    if contacts.kind[index] == CUT or index >= layout.n_joints:
+        phys.FnMax = phys.FsMax = UNBREAKABLE  # they fail by `splitting` and `ties`, or not at all
+    phys.tanFrictionAngle = friction
 
 
 def _set_clump(state, mass, inertia, held):

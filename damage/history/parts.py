@@ -16,7 +16,8 @@ class HouseRows(NamedTuple):
     and of each contact point, -1 between two, place of that and of each body's centre from the
     wall's middle plane, size of the bodies across it [m]; of each sample and wall displacement of
     the top along it, the largest across it, and that of the top across it (n_times, n_walls) [m];
-    acceleration of the ground across the heading (n_times,) [m/s2]; displacement across and
+    acceleration of the ground across the heading (n_times,) [m/s2], number of failed ties
+    (n_times,); displacement across and
     rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
 
     body_wall: np.ndarray
@@ -28,6 +29,7 @@ class HouseRows(NamedTuple):
     across_m: np.ndarray
     top_across_m: np.ndarray
     base_acceleration_m_s2: np.ndarray
+    failed_ties: np.ndarray
     out_of_plane: np.ndarray
 
     def of(self, number, body, joint):
@@ -42,6 +44,7 @@ class HouseRows(NamedTuple):
             self.across_m[:, [number]],
             self.top_across_m[:, [number]],
             self.base_acceleration_m_s2,
+            self.failed_ties,
             self.out_of_plane[:, body],
         )
 

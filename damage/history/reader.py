@@ -397,9 +397,10 @@ def _house(values, n_times, n_snapshots):
     """The HouseRows of the history of a house, None of a plane wall."""
     if "placing/body_wall" not in values:
         return None
+    older = {"failed_ties": np.zeros(n_times, "i4")}  # of files from before there were any
     return HouseRows(
         *(values[f"placing/{name}"][:] for name in schema.PLACING),
-        *(values[f"house/{name}"][:n_times] for name in schema.HOUSE),
+        *(values.get(f"house/{name}", older.get(name))[:n_times] for name in schema.HOUSE),
         values["snapshots/out_of_plane"][:n_snapshots],
     )
 

@@ -4,7 +4,8 @@ Its x is that of the walls unfolded side by side in their order, so that all tha
 a wall in its plane reads it; its `space` says where bodies and contact points are in plan.
 
 A concrete floor is one body of the first of its walls, in place of the strips that each would have
-by itself.  Anchored joists are elastic bars between bricks of two walls, without stiffness across.
+by itself.  Anchored joists and ties are elastic bars between bricks of two walls, without stiffness
+across.
 """
 
 from dataclasses import replace
@@ -71,7 +72,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     for pair in met:
         layout = joined_at(layout, *pair)
     _check_slabs(layout)
-    return _with_joists(layout)
+    return _with_bars(layout)
 
 
 def _together(house, parts):
@@ -255,43 +256,65 @@ def _check_slabs(layout):
                 )
 
 
-def _with_joists(layout):
-    """The Layout with bars for anchored joists, behind all other contact points."""
-    space, found = layout.space, []
-    for floor in space.house.floors:
-        walls = space.house.carrying(floor)
-        for span in floor.spans(walls) if floor.anchor_spacing else ():
-            n = int(np.ptp(span.along) / floor.anchor_spacing + TINY)
-            for share in (np.arange(n) + 0.5) / max(n, 1):
-                found += _joist(layout, floor, span, share)
+def _with_bars(layout):
+    """The Layout with bars for anchored joists and ties, behind all other contact points."""
+    found = []
+    for what, bars in _bars(layout):
+        ends = [(*end, *bar) for bar in bars for end in _bar(layout, *bar[:3])]
+        if what and not ends:
+            span, share, z, *_ = bars[0]
+            x, y = span.at(share)[0]
+            raise InputError(
+                f"house {layout.space.house.name}, {what}: nowhere are there bricks of both, as at"
+                f" ({x:.3f}, {y:.3f}, {z:.3f}) m: expected leaves beside each other; correct them"
+            )
+        found += ends
     if not found:
         return layout
-    first, second, apart, place, axes = map(np.array, zip(*found))
-    area = np.full(len(found), JOIST_M2)
-    stiffness = JOIST_PA / apart
-    return with_points(
-        layout,
-        len(layout.contacts),
-        Points(CAP, first, second, place, axes, apart / 2, area, stiffness, 1e-6 * stiffness),
+    first, second, place, axes, spans, _, _, *forces = zip(*found)
+    apart = np.array([span.apart for span in spans])
+    stiffness, tension, compression = np.array(forces) / JOIST_M2
+    points = Points(
+        CAP,
+        *map(np.array, (first, second, place, axes)),
+        apart / 2,
+        np.full(len(apart), JOIST_M2),
+        stiffness,
+        1e-6 * stiffness,
     )
+    return with_points(layout, len(layout.contacts), points, 0, (tension, np.inf, compression))
 
 
-def _joist(layout, floor, span, share):
-    """[(both bodies, distance, place and axes of the bar)] of a joist at this share of a Span, none
-    where it ends in an opening."""
-    space, bodies, height = layout.space, layout.bodies, layout.wall.brick.height
-    z, found, ends = (round(floor.level / height) - 0.5) * height, [], []
-    on_course = (np.abs(bodies.z - z) < bodies.height / 2) & (bodies.course != SLAB_COURSE)
-    for one, (left, right) in ((span.one, span.along), (span.other, span.other_along)):
-        number = space.house.walls.index(one)
-        facing = one.axes[0] @ span.one.axes[0] > 0
-        along = left + (right - left) * (share if facing else 1 - share)
+def _bars(layout):
+    """(words of what has to be somewhere, [(Span, share of it, height [m], stiffness [N/m],
+    strength in tension and compression [N])]) of each floor and of all Ties."""
+    house, height, found = layout.space.house, layout.wall.brick.height, []
+    for floor in house.floors:
+        z = (round(floor.level / height) - 0.5) * height
+        for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
+            n = int(np.ptp(span.along) / floor.anchor_spacing + TINY)
+            own = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
+            found.append(("", [(span, (one + 0.5) / n, *own) for one in range(n)]))
+    for ties in house.ties:
+        span, own = ties.span(house), (ties.stiffness, ties.tension, ties.compression)
+        bars = [(span, *place, *own) for place in ties.places(span)]
+        found.append((f"ties of {' and '.join(ties.walls)}", bars))
+    return found
+
+
+def _bar(layout, span, share, z):
+    """[(both bodies, place and axes of the bar)] at this share of a Span and height [m], none where
+    it ends in an opening."""
+    space, bodies, found = layout.space, layout.bodies, []
+    on_course = (np.abs(bodies.z - z) < bodies.height / 2 + TINY) & (bodies.course != SLAB_COURSE)
+    for wall, along in zip((span.one, span.other), span.along_at(share)):
+        number = space.house.walls.index(wall)
         away = np.abs(bodies.x - space.left[number] - along) - bodies.length / 2
         found.append(np.flatnonzero(on_course & (space.wall == number) & (away < TINY)))
-        ends.append(np.array([*(one.origin + along * one.axes[0, :2]), z]))
     if not (len(found[0]) and len(found[1])):
         return []
+    ends = np.insert(span.at(share), 2, z, axis=1)
     normal = (ends[1] - ends[0]) / span.apart
     up = np.array([0.0, 0.0, 1.0])
     axes = np.array([normal, up, np.cross(normal, up)])
-    return [(found[0][0], found[1][0], span.apart, (ends[0] + ends[1]) / 2, axes)]
+    return [(found[0][0], found[1][0], ends.mean(axis=0), axes)]

@@ -95,6 +95,12 @@ class Space:
         away = self.place - self.centres(bodies)[body]
         return np.einsum("nij,nj->ni", self.of_body[body], away)
 
+    def lesser(self, contacts, values):
+        """Of each contact point the value of its wall, between two the lesser; values:
+        (n_walls,)."""
+        ends = values[self.wall[np.maximum([contacts.first, contacts.second], 0)]]
+        return np.where(self.joint_wall < 0, ends.min(axis=0), values[self.joint_wall])
+
     def tops(self, motion):
         """Displacement along each wall of its top over the piers (n, n_walls) [m]; motion: (n,
         n_bodies, 3)."""
@@ -190,9 +196,9 @@ def _remaining(layout, bodies, kept):
     return np.flatnonzero(kept & alike & (layout.space.wall == layout.space.wall[bodies[0]]))
 
 
-def with_points(layout, n, points, wall=0, strength=(np.inf, np.inf)):
+def with_points(layout, n, points, wall, strength):
     """The Layout with these points between two walls, unfolded with this one, from row n on;
-    strength: tensile strength and cohesion [Pa]."""
+    strength: tensile strength, cohesion and compressive strength [Pa]."""
     space, end = layout.space, np.zeros(len(points.first), int)
     one, place = space.house.walls[wall], points.place
     local = (place - [*one.origin, 0.0]) @ one.axes.T
@@ -206,10 +212,8 @@ def with_points(layout, n, points, wall=0, strength=(np.inf, np.inf)):
         points.area,
         points.normal_stiffness,
         points.shear_stiffness,
-        end + strength[0] == np.inf,
-        end + strength[0],
-        end + strength[1],
-        end + np.inf,
+        end + strength[1] == np.inf,
+        *(end + one for one in strength),
         end + GROUND,
         end + GROUND,
     )

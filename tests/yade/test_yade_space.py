@@ -147,7 +147,7 @@ def test_a_house_that_was_killed_continues_to_the_same_bits(turned, yade_command
 @pytest.mark.long
 def test_a_house_with_corners_and_floors_continues_to_the_same_bits(yade_command, tmp_path):
     """A slab and anchored joists, shaken at an angle: killed at rest and, with loose bricks, in the
-    motion; on ground that settles; pushed."""
+    motion; on ground that settles; pushed; and a cavity wall whose ties have failed."""
     size = "length = 1.2\nheight = 0.8\nprecompression = 0\n"
     brick = "brick = { length = 0.4, height = 0.2, thickness = 0.2 }\n"
     joint = "joint = { tensile_strength = 1e4, cohesion = 2e4 }\n"
@@ -167,14 +167,16 @@ def test_a_house_with_corners_and_floors_continues_to_the_same_bits(yade_command
             (("--harmonic", 0.05, 2, "--cycles", 1, "--rest", 0), -1, 0.03),
             (("--settle", "sagging", "--distortion", 1 / 1000), -0.5),
             (("--pushover", 0.1, "--floor-share", 0.4, 1), 0.02),
+            (("--harmonic", 0.04, 0.4, "--cycles", 1, "--rest", 0.02), 0.04),
         )
     ):
         whole = tmp_path / f"{number}.h5"
-        words = (DATA, house, *loading, "--no-pictures")
+        words = (DATA, cavity(tmp_path) if number == 3 else house, *loading, "--no-pictures")
         yade_command(*SHORT, *words, "--out", whole, status=0)
         there = continued(yade_command, whole, words, *times)
         assert there["tracker.broken"].any() or number
         assert len(there["corners"]) or number
+        assert len(there["removed"]) or number < 3
         whole.with_name("cut.h5").unlink()
 
 
@@ -192,6 +194,52 @@ def test_numbers_from_yade_s_memory_are_those_that_it_gives(yade_command):
     assert found["views_asked"] == 0
     assert found["memory"] == found["asked"] > 0
     assert found["refused"]
+
+
+def test_ties_share_a_push_and_fail_at_their_strength_with_their_energy(yade_command):
+    """Two blocks that slide and rock on their joints, springs joined by a third."""
+    found = _check(yade_command, "ties")
+    for way in ("tension", "compression"):
+        one = found[way]
+        assert_allclose(one["share"], one["exact_share"], rtol=1e-4)
+        assert abs(one["force_n"] - one["exact_n"]) < 50
+    assert found["failed"] == 1
+    assert_allclose(found["energies"], 1, atol=0.01)
+
+
+def test_each_wall_of_a_house_slides_by_its_own_friction(yade_command):
+    found = _check(yade_command, "masonries")
+    resting, sliding = found["moved_mm"]
+    assert abs(resting) < 0.1
+    assert_allclose(sliding, found["exact_mm"], rtol=0.02)
+
+
+def cavity(tmp_path):
+    """The file of two leaves, of which one bears a load and sways less, with ties that fail."""
+    size = "length = 0.4\nheight = 0.8\njoint = { tensile_strength = 1e6, cohesion = 1e6 }\n"
+    brick = "brick = { length = 0.4, height = 0.2, thickness = 0.1 }\n"
+    for name, load in (("inner", 2e5), ("outer", 0)):
+        written(
+            tmp_path / f"{name}.toml", f'name = "{name}"\nprecompression = {load}\n{size}{brick}'
+        )
+    ties = 'walls = ["inner", "outer"]\nper_area = 6.25\nstiffness = 1e6\n'
+    ties += "tension = 100\ncompression = 5000\n"
+    walls = '[[walls]]\nfile = "inner.toml"\n[[walls]]\nfile = "outer.toml"\norigin = [0, 0.2]\n'
+    return written(
+        tmp_path / "cavity.toml", f'name = "cavity"\nheading = 90\n{walls}[[ties]]\n{ties}'
+    )
+
+
+def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path):
+    house = cavity(tmp_path)
+    motion, out = ("--harmonic", 0.04, 0.4, "--cycles", 1, "--rest", 0.01), tmp_path / "cavity.h5"
+    yade_command(*SHORT, DATA, house, *motion, "--no-pictures", "--out", out, status=0)
+    history = read_history(out)
+    assert history.house.failed_ties[0] == 0
+    assert 0 < history.house.failed_ties[-1] <= 2
+    assert energy_error(history.series) < 0.01
+    failed = json.loads(damage_command("index", out, "--json", status=0).stdout)["failed_ties"]
+    assert failed == history.house.failed_ties[-1]
 
 
 def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(yade_command):

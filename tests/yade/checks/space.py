@@ -7,6 +7,9 @@ yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two
 yade tests/yade/checks/space.py tilt               a house turns with its ground
 yade tests/yade/checks/space.py numbers            what is read from YADE's memory
 yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
+yade tests/yade/checks/space.py ties               two blocks with a tie: share of a push, force at
+                                                   which it pulls out or buckles, energy
+yade tests/yade/checks/space.py masonries          two dry blocks of other friction slide, or rest
 yade tests/yade/checks/space.py strip 5e4 0.96 1   a strip between floors bends out of plane, of
                                                    this tensile strength [Pa], under accelerations
                                                    [g], beside the plane model
@@ -35,14 +38,15 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.restraints import Restraint
+from damage.wall.ties import Ties
 from yade_scripts import memory
 from yade_scripts.solver import YadeSolver
 
 
-def solver_of(house, options=None):
-    """Its YadeSolver, at rest, with a step of a third of the critical one."""
+def solver_of(house, options=None, share=1 / 3):
+    """Its YadeSolver, at rest, with a step of this share of the critical one."""
     layout = lay_out_house(house, options)
-    return YadeSolver(layout, natural_modes(layout, 1).critical_time_step_s / 3)
+    return YadeSolver(layout, share * natural_modes(layout, 1).critical_time_step_s)
 
 
 def block():
@@ -378,13 +382,91 @@ def _bent(solver, multiplier):
     }
 
 
+def leaves(share=1 / 3):
+    """Solver of two blocks on the ground, 0.2 m apart, with a tie between their middles, and the
+    compliance of one there [m/N], by sliding and rocking."""
+    size, thick, high = 0.4, 0.1, 0.2
+    joint = Joint(1e10, 4e9, tensile_strength=1e7, cohesion=1e7)
+    brick = Brick(size, high, thick, young_modulus=1e14, shear_modulus=1e14)
+    walls = [
+        Placed(Wall(name, size, high, precompression=0, brick=brick, joint=joint), (0, y), 0)
+        for name, y in (("inner", 0), ("outer", 0.2))
+    ]
+    ties = Ties(("inner", "outer"), 6.25, TIE_N_M, tension=1000, compression=500)
+    area = size * thick
+    compliance = 1 / (4e9 * area) + (high / 2) ** 2 / (1e10 * area * thick**2 / 12)
+    return solver_of(House("leaves", walls, ties=[ties]), share=share), compliance
+
+
+def masonries():
+    """How far [mm] two dry blocks with a friction of 0.4 and 0.6 slide in 0.2 s under 0.5 g, and
+    the one with less by hand."""
+    size, walls = {"length": 0.4, "height": 0.2, "precompression": 0}, []
+    for y, friction in ((0, 0.6), (1, 0.4)):
+        joint = Joint(1e10, 4e9, math.atan(friction), tensile_strength=0, cohesion=0)
+        brick = Brick(0.4, 0.2, 0.2, density=4000 * friction)
+        walls.append(Placed(Wall(f"block-{y}", brick=brick, joint=joint, **size), (0, y)))
+    solver = solver_of(House("masonries", walls))
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    solver.advance(int(0.02 / O.dt))
+    solver.damp()
+    steps = round(0.2 / O.dt)
+    base = np.zeros((steps, 3))
+    base[:, 0] = 0.5 * GRAVITY
+    solver.start(base, np.array([GRAVITY]))
+    before = solver.scene.motion()[:, 0]
+    solver.advance(steps)
+    moved = 1e3 * (before - solver.scene.motion()[:, 0])
+    return {"moved_mm": moved.tolist(), "exact_mm": 1e3 * 0.5 * 0.1 * GRAVITY * 0.2**2}
+
+
+TIE_N_M = 1e7
+
+
+def ties():
+    """Share of a push on one block that the tie carries to the other, and the forces [N] at which
+    it fails, away and towards, beside two springs and a third; and energies [J] over those at the
+    start, of a block that was knocked away, before and after the tie has failed."""
+    found = {}
+    for name, sign in (("tension", 1), ("compression", -1)):
+        solver, compliance = leaves()
+        solver.damp(local=0.7)
+        solver.start(NO_MOTION, np.zeros(1))
+        force, share = 0.0, 0.0
+        while solver.ties.failed == 0:
+            share = float(solver.ties.forces()[0]) * sign / force if force else 0.0
+            force += 50.0
+            O.forces.setPermF(solver.model.clumps[1], (0, sign * force, 0))
+            solver.advance(150)
+        exact = TIE_N_M * compliance / (1 + 2 * TIE_N_M * compliance)
+        found[name] = {"share": share, "exact_share": exact, "force_n": force}
+        found[name]["exact_n"] = (1000 if sign > 0 else 500) / exact
+    solver, _ = leaves(1 / 20)
+    speed = np.zeros((2, 6))
+    speed[1, 3] = 0.5
+    solver.set_velocities(speed)
+    solver.start(NO_MOTION, np.zeros(1))
+    energies = []
+
+    def look(now):
+        energies.append(float((now.kinetic_j + now.elastic_j + now.fracture_j)[0]))
+        return True
+
+    solver.advance(1000, 1, look)
+    energies = np.array(energies) / (0.5 * solver.layout.bodies.mass[1] * 0.5**2)
+    return found | {"energies": [energies.min(), energies.max()], "failed": solver.ties.failed}
+
+
 CHECKS = {
     "block": block,
     "box": box,
     "corner": corner,
     "bonded": bonded,
+    "masonries": masonries,
     "strip": strip,
     "numbers": numbers,
+    "ties": ties,
     "tilt": tilt,
 }
 print(json.dumps(CHECKS[sys.argv[1]](*map(float, sys.argv[2:]))))
