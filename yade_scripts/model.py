@@ -469,8 +469,8 @@ def build(layout, dt, corner_depth=0.0):
     if layout.space:
         parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
-    for index, (bond, intact) in enumerate(zip(bonds, frictions(layout, False).tolist())):
-        _set_bond(bond.phys, layout, index, intact)
+    for index, (bond, slope) in enumerate(zip(bonds, frictions(layout, False).tolist())):
+        _set_bond(bond.phys, layout, index, slope)
     bonding.cohesiveTresholdIteration = 0
     work = FrictionWork(friction, layout.n_joints)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
