@@ -139,7 +139,7 @@ def step_once(n, tables, model, controls, field, asked):
     if controls[:, ADAPTIVE].any():
         adapt(n, tables, model.strain, controls)
     # without the matrix, so that the code of forces is the same with mass scaling and without
-    of_forces = Model(model.law, model.strain, model.loose, None, model.cuts)
+    of_forces = Model(model.threshold, model.strain, model.loose, None, model.cuts)
     find_forces(n, tables, of_forces, asked)
 
 
@@ -513,7 +513,7 @@ def by_law(n, tables, model, asked, points, motion, beyond, elastic):
             one, now, step = wall_of(n, w), of_wall(motion, w), asked.clock[w] + asked.step
             before = motion_before(one, tables, model.strain, points, now, asked.damped)
             of_points, change, failed = contacts.law_resultant(
-                one, tables, model.law, points, step, now, before, asked.damped
+                one, tables, model.threshold, points, step, now, before, asked.damped
             )
             resultant, changed = with_wall(resultant, w, of_points), with_wall(changed, w, change)
             if failed:

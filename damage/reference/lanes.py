@@ -67,13 +67,11 @@ class Lanes:
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
         matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
-        of_forces = (
-            tables.Law(walls[0].material, THRESHOLD),
-            walls[0].strain,
-            walls[0].loose,
-        )
+        strength = np.concatenate([wall.cuts.strength for wall in walls])
+        cuts = walls[0].cuts._replace(strength=strength)
         self._model, self._of_forces = (
-            tables.Model(*of_forces, one, walls[0].cuts) for one in (matrix, None)
+            tables.Model(THRESHOLD, walls[0].strain, walls[0].loose, one, cuts)
+            for one in (matrix, None)
         )
         self._sampling = self.room(0)
 
@@ -156,7 +154,7 @@ class Lanes:
         samples = Samples.none(
             len(self._walls), n_samples, walls[0].system, n_supports, with_stresses
         )
-        return Sampling(walls[0].stiffness, samples, np.zeros(len(self._walls), int))
+        return Sampling(samples, np.zeros(len(self._walls), int))
 
     def samples_of(self, wall, count):
         """The first samples of a wall from the last `run`, views that the next one overwrites."""
@@ -190,8 +188,7 @@ class Lanes:
 
 def kind_of(wall):
     """Key that is equal for walls that can be members of one batch: whether they find new contacts,
-    material, and a digest of the arrays of bricks, stiffnesses and scaled mass that all of them
-    share."""
+    and a digest of the arrays of bricks, strain modes and scaled mass that all of them share."""
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID :], *wall.strain) if wall.strain else ()
     shared = [
@@ -201,12 +198,12 @@ def kind_of(wall):
             for name in table.dtype.names
         ),
         *of_modes,
-        *wall.cuts,
-        np.array(len(system.radiation)),
+        *wall.cuts[:-1],
+        np.array([len(system.radiation), len(system.bearings)]),
         np.frombuffer(wall.mass.key if wall.mass else b"", "u1"),
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
-    return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
+    return wall.loose is None, hashlib.sha256(b"".join(parts)).digest()
 
 
 def _in_turn(ends):
