@@ -1,5 +1,8 @@
 """Rows of the tables as records, by the names of their fields, and the coordinates of a body."""
 
+from numba import types
+from numba.extending import overload
+
 from damage.law.joint_law import ContactState, ElasticRange, Material
 from damage.mechanics.compiled import inlined
 from damage.mechanics.interfaces import (
@@ -84,12 +87,16 @@ def springs_of(n, tables, p):
     return springs_at(n, tables.lines, tables.unlike, p)
 
 
-@inlined
 def springs_at(n, lines, unlike, p):
     """`springs_of`; lines, unlike: of Tables."""
-    if unlike is None:
-        return shared_in(in_blocks(n, p), lines, p // PARTS)
-    return springs_in(n, unlike, p)
+    return _springs_at(n, lines, types.none if unlike is None else unlike, p)(n, lines, unlike, p)
+
+
+@overload(springs_at)
+def _springs_at(n, lines, unlike, p):
+    if unlike == types.none:
+        return lambda n, lines, unlike, p: shared_in(in_blocks(n, p), lines, p // PARTS)
+    return lambda n, lines, unlike, p: springs_in(n, unlike, p)
 
 
 @inlined

@@ -49,6 +49,8 @@ class ReferenceWall:
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
+        # in a batch: of the steps asked for, those taken, and the samples before its last call
+        self.taken, self.earlier = 0, []
         built = build(layout)
         self.strain, self.loose = strain_tables(layout), None
         self.cuts = cut_tables(layout, built.interfaces)

@@ -19,7 +19,19 @@ from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
 from damage.run.run import LOOK_STEPS
 
-SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
+SHAKEN = (
+    "--harmonic",
+    "0.05",
+    "0.8",
+    "--cycles",
+    "2",
+    "--rest",
+    "0",
+    "--strength-cov",
+    "0.3",
+    "--inputs",
+    "typical",
+)
 OTHERS = {
     3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
     4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
