@@ -407,8 +407,8 @@ class Matrix(NamedTuple):
 
     body, first, count: (nodes,) row of its body, the first of its coordinates and their number;
     start: (nodes + 1,) first block of each column of L; below: (blocks,) node of each block's row;
-    lower: (blocks, 3, 3) these blocks; diagonal, inverse: (nodes, 3, 3) blocks of D, zero where
-    massless and prescribed, and of its inverse;
+    lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of D, zero where massless
+    and prescribed, and of its inverse; all three (..., W) where walls differ;
     room: (nodes, 6, W) work array.
     """
 

@@ -18,6 +18,7 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
+from damage.mechanics.factor import matrix_of
 from damage.mechanics.samples import Samples, Sampling
 from damage.mechanics.simd import EIGHT, ONE, WIDTH
 from damage.run.cooperative import WAITED
@@ -68,7 +69,8 @@ class Lanes:
         )
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
-        matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
+        masses, width = [wall.mass for wall in walls], self.tables.bench.shape[2]
+        matrix = masses[0] and matrix_of(masses, width)
         strength = np.concatenate([wall.cuts.strength for wall in walls])
         cuts = walls[0].cuts._replace(strength=strength)
         self._model, self._of_forces = (
@@ -199,7 +201,8 @@ class Lanes:
 
 def kind_of(wall):
     """Key that is equal for walls that can be members of one batch: whether they find new contacts,
-    and a digest of the arrays of bricks, strain modes and scaled mass that all of them share."""
+    and a digest of the arrays of bricks, strain modes and couplings of the scaled mass that all of
+    them share."""
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID :], *wall.strain) if wall.strain else ()
     shared = [
@@ -211,7 +214,7 @@ def kind_of(wall):
         *of_modes,
         *wall.cuts[:-1],
         np.array([len(system.radiation), len(system.bearings)]),
-        np.frombuffer(wall.mass.key if wall.mass else b"", "u1"),
+        *(wall.mass.matrix[:5] if wall.mass else ()),
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
     return wall.loose is None, hashlib.sha256(b"".join(parts)).digest()
