@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.elementary import exp
 from damage.law import joint_law
 from damage.law.joint_law import INTACT, LawParameters
 from damage.mechanics import rows
@@ -230,20 +229,9 @@ def ask_law(n, tables, i, trial, shear):
     """Evaluate the joint law of contact point i, and write its new state and works into the tables.
 
     trial: Trial; shear: shear displacement now [m].  Returns as `joint_law.advance`, with forces
-    [N]
-    and works [J].
+    [N] and works [J].
     """
-    states, energy, of = tables.states, tables.energy, rows.strengths_of(n, tables.strengths, i)
-    parameters = LawParameters(
-        *rows.stiffness_of(n, tables, i),
-        of.tensile_strength,
-        of.cohesion,
-        rows.material_of(n, tables.material, 0),
-        of.mode_i_energy,
-        of.mode_ii_energy,
-        of.compressive_strength,
-        of.crushing_energy,
-    )
+    states, energy, parameters = tables.states, tables.energy, parameters_of(n, tables, i)
     old = rows.law_state(n, states, i)
     opening = trial.opening - load(n, states, i, CLOSURE)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
@@ -256,6 +244,22 @@ def ask_law(n, tables, i, trial, shear):
     else:  # the shear force of an intact bond is measured from the undeformed wall
         store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
+
+
+@inlined
+def parameters_of(n, tables, i):
+    """LawParameters of contact point i, times its area."""
+    of = rows.strengths_of(n, tables.strengths, i)
+    return LawParameters(
+        *rows.stiffness_of(n, tables, i),
+        of.tensile_strength,
+        of.cohesion,
+        rows.material_of(n, tables.material, 0),
+        of.mode_i_energy,
+        of.mode_ii_energy,
+        of.compressive_strength,
+        of.crushing_energy,
+    )
 
 
 @entry
@@ -279,8 +283,8 @@ def confine_one(n, tables, cuts, k):
         states, cohesion = tables.states, strength * tables.contacts[i].area
         store(n, tables.strengths, i, COHESION, cohesion)
         if load(n, states, i, BROKEN) == 0.0:
-            left = cohesion * exp(-load(n, states, i, KAPPA))
-            store(n, states, i, COHESION_LEFT, left)
+            parameters, kappa = parameters_of(n, tables, i), load(n, states, i, KAPPA)
+            store(n, states, i, COHESION_LEFT, joint_law.strength_left(False, parameters, kappa)[1])
         slide = cohesion / rows.stiffness_of(n, tables, i)[1]
         store(n, tables.limits, p, LARGEST_SLIDE, slide)
 

@@ -89,7 +89,9 @@ def springs_of(n, tables, p):
 
 def springs_at(n, lines, unlike, p):
     """`springs_of`; lines, unlike: of Tables."""
-    return _springs_at(n, lines, types.none if unlike is None else unlike, p)(n, lines, unlike, p)
+    if unlike is None:
+        return shared_in(in_blocks(n, p), lines, p // PARTS)
+    return springs_in(n, unlike, p)
 
 
 @overload(springs_at)

@@ -214,8 +214,7 @@ class Tables(
 
     Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body
     to itself without springs and stay intact.  Its inertia, limits, last and radiation are in the
-    order of columns: a field of eight rows is a vector.  Springs differ where stiffness or friction
-    does: few walls need the time of reading those of each.
+    order of columns: a field of eight rows is a vector.
     """
 
 

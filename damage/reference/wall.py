@@ -1,8 +1,7 @@
 """A wall of the reference solver: rigid bodies in the plane, integrated explicitly in time.
 
 Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is
-`damage.mechanics.step`.  Walls with equal bricks and stiffnesses can advance together
-(`damage.reference.lanes`).
+`damage.mechanics.step`.  Walls with equal bricks can advance together (`damage.reference.lanes`).
 """
 
 import math
