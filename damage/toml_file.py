@@ -1,6 +1,5 @@
 """TOML files of users: walls, studies, addresses."""
 
-import re
 import tomllib
 
 from damage.checks import check_file
@@ -9,12 +8,7 @@ from damage.errors import InputError
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The newest that Taplo, which editors use for TOML, knows."""
 DEEPEST = 20
-"""Tables and lists in each other, and parts of a dotted key, which makes as many tables; a study
-has five."""
-_WORDS = re.compile(
-    r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*', re.DOTALL
-)
-_NO_SEPARATORS = re.compile(r"[^.,=\[\]{}\n]+")
+"""Tables and lists in each other; a study has five."""
 
 
 def read_toml(path, wanted, most_mb):
@@ -40,7 +34,6 @@ def toml_text(path, wanted, most_mb):
 def toml_table(path, text, wanted):
     """The table of a TOML file's text; arguments and errors as of `read_toml`."""
     try:
-        _refuse_many_dots(text)
         table = tomllib.loads(text)
         _refuse_depth(table)
     except (ValueError, RecursionError) as error:
@@ -50,13 +43,6 @@ def toml_table(path, text, wanted):
 
 def _none(path, error, wanted):
     return InputError(f"{path} is no TOML in UTF-8 ({error}); expected {wanted}, correct it")
-
-
-def _refuse_many_dots(text):
-    """Raise ValueError for a key of very many parts (a.a.a...): reading it takes time and memory by
-    their square."""
-    if "." * DEEPEST in _NO_SEPARATORS.sub("", _WORDS.sub("", text)):
-        raise ValueError(f"a key of more than {DEEPEST} parts")
 
 
 def _refuse_depth(table):

@@ -281,9 +281,9 @@ def main(arguments=None):
         )
         if parsed.pictures:
             print(save_mechanisms(name, results[name], parsed.pictures))
+        if parsed.markdown:
+            parsed.markdown.write_text(table(results) + "\n")
     print("\n" + table(results))
-    if parsed.markdown:
-        parsed.markdown.write_text(table(results) + "\n")
     return 0
 
 

@@ -27,6 +27,7 @@ from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 from yade_scripts.space import SpaceReader
 from yade_scripts.splitting import Splitting
+from yade_scripts.ties import Ties
 
 FOLLOW_STEPS = JOINT_STEPS // 2
 """Steps between two updates of the failed joints; slip that reverses in between is not recorded."""
@@ -64,7 +65,7 @@ class YadeSolver(Solver):
             JointTracker(layout, THRESHOLD, new_contacts),
             Crushing(self.scene),
         )
-        self.splitting = Splitting(self.scene, self.tracker)
+        self.splitting, self.ties = Splitting(self.scene, self.tracker), Ties(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         # bodies whose horizontal velocity is prescribed [m/s]
         self._held, self._velocity = None, 0.0
@@ -270,6 +271,7 @@ class YadeSolver(Solver):
             for joint, _, work in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
                 self.tracker.crushes(joint, work)
             self._split_bricks()
+            self.tracker.fracture_energy += self.ties.step()
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
             if self._on_samples:
@@ -308,7 +310,7 @@ class YadeSolver(Solver):
             return
         tracker = self.tracker
         _, shear = self._displacements(new)
-        for joint, slip in zip(new, shear):
+        for joint, slip, strength in zip(new, shear, self.model.tensile_strengths(new)):
             opening = self.scene.opening_of(joint)
             sigma, tau = (
                 tracker.normal_stiffness[joint] * opening,
@@ -317,7 +319,7 @@ class YadeSolver(Solver):
             if self.scene.bundles:
                 self._fray(joint, opening, slip, sigma, tau)
                 continue
-            kind = "tension" if sigma > self.layout.contacts.tensile_strength[joint] else "shear"
+            kind = "tension" if sigma > strength else "shear"
             tracker.friction[joint] = self.model.friction_of(joint)
             tracker.breaks(joint, kind, sigma, tau)
             self.model.loosen(joint)
@@ -365,7 +367,7 @@ class YadeSolver(Solver):
         broken = self.tracker.followed
         if len(broken) == 0:
             return
-        self.scene.read_anew(self.model.regain())
+        self.model.regain()
         across, shear = self._displacements(broken)
         opening = self.scene.openings(broken)
         apart = across + self.model.closure[broken]
@@ -458,6 +460,7 @@ class YadeSolver(Solver):
             clock=self.clock,
             displacement=motion[:, :3],
             out_of_plane=motion[:, 3:] if self.layout.space else None,
+            failed_ties=self.ties.failed,
             support_displacement=self._supports.copy(),
             support_force=self.scene.support_forces(self._supports),
             joints=slice(None),

@@ -18,16 +18,17 @@ from damage.motion.plausible import (
     record_warnings,
 )
 from damage.provenance import shown_path
-from damage.run.options import ACCEPTING, PREPARATION, UNITS, model_arguments, model_of, recorded
+from damage.run.motion_options import PREPARATION, recorded
+from damage.run.options import ACCEPTING, UNITS, model_arguments, model_of
 from damage.wall import as_built, materials
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.house import is_house, read_house
+from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
 from damage.wall.plausible import check_plausible
-from damage.wall.space import lay_out_house
 
 
 @command(

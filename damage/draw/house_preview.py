@@ -87,6 +87,8 @@ def _draw_plan(ax, house):
     style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
     for placed in house.walls:
         _draw_wall(ax, placed)
+    for ties in house.ties:
+        found |= _draw_ties(ax, house, ties)
     for corner in house.corners:
         found |= _draw_corner(ax, house, corner)
     turn, middle = np.radians(house.heading), (low + high) / 2
@@ -130,6 +132,14 @@ def _draw_wall(ax, placed):
     turn = 90 - (90 - placed.direction) % 180  # from -90, left out, to 90
     ax.text(*middle, wall.name, ha="center", va="center", rotation=turn, bbox=PAPER)
     ax.annotate("", start + 0.12 * wall.length * along, start, arrowprops=ARROW)
+
+
+def _draw_ties(ax, house, ties):
+    span = ties.span(house)
+    for share in sorted({share for share, _ in ties.places(span)}):
+        x, y = span.at(share).T[:2]
+        ax.plot(x, y, color=style.VERMILLION, lw=0.8)
+    return {"ties": style.line_handle(style.VERMILLION, "ties")}
 
 
 def _draw_corner(ax, house, corner):

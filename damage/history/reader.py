@@ -1,11 +1,11 @@
 """Read a history file into pandas frames."""
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import h5py
 import numpy as np
@@ -16,51 +16,15 @@ from damage.errors import InputError
 from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
-from damage.history.slabs import with_slabs_in
+from damage.history.parts import HouseRows, face_of, wall_of
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.units import rounded
-from damage.wall.geometry import in_one_layer
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
-from damage.wall.placing import FACES, placing_of
+from damage.wall.placing import placing_of
 from damage.wall.plan import plan_of
 from damage.wall.space import SHARES
-
-
-class HouseRows(NamedTuple):
-    """What the history of a house has beside that of a plane wall: number of the wall of each body
-    and of each contact point, -1 between two, place of that and of each body's centre from the
-    wall's middle plane, size of the bodies across it [m]; of each sample and wall displacement of
-    the top along it, the largest across it, and that of the top across it (n_times, n_walls) [m];
-    acceleration of the ground across the heading (n_times,) [m/s2]; displacement across and
-    rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
-
-    body_wall: np.ndarray
-    joint_wall: np.ndarray
-    joint_y_m: np.ndarray
-    body_y_m: np.ndarray
-    body_depth_m: np.ndarray
-    top_displacement_m: np.ndarray
-    across_m: np.ndarray
-    top_across_m: np.ndarray
-    base_acceleration_m_s2: np.ndarray
-    out_of_plane: np.ndarray
-
-    def of(self, number, body, joint):
-        """Those of a wall, by flags of its bodies and contact points."""
-        return HouseRows(
-            0 * self.body_wall[body],
-            0 * self.joint_wall[joint],
-            self.joint_y_m[joint],
-            self.body_y_m[body],
-            self.body_depth_m[body],
-            self.top_displacement_m[:, [number]],
-            self.across_m[:, [number]],
-            self.top_across_m[:, [number]],
-            self.base_acceleration_m_s2,
-            self.out_of_plane[:, body],
-        )
 
 
 def _at_all_joints(name):
@@ -246,82 +210,12 @@ class History:
         """The History of a wall of a house, in its plane and without the joints to other walls;
         energies and forces of supports are those of the house.  Of a wall: that of one of FACES
         (`of_face`)."""
-        walls = self.parameters["house"]["walls"] if self.house else []
-        names = [one["wall"]["name"] for one in walls] if self.is_house else FACES[: 2 * len(walls)]
-        if name not in names:
-            raise InputError(
-                f"{self.path} has no wall or face {name}: expected"
-                f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
-                " correct it"
-            )
-        if not self.is_house:
-            return self.of_face(name)
-        return with_slabs_in(self, names.index(name))._of_wall(name, names.index(name))
-
-    def _of_wall(self, name, number):
-        walls, house = self.parameters["house"]["walls"], self.house
-        wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
-        outside = int(self.placing.sign_of("outside")[number])
-        body, joint = house.body_wall == number, house.joint_wall == number
-        new_body = np.cumsum(body) - 1
-        part = self._with_joints(joint)
-        joints = part.joints.assign(x_m=part.joints["x_m"] - left)
-        for end in ("first_body", "second_body"):
-            joints[end] = np.where(joints[end] < 0, joints[end], new_body[joints[end]])
-        top = house.top_displacement_m[:, number]
-        supports, moved, below = self._ground_of(number)
-        first, own = joints["first_body"], -np.cumsum(below)  # -1 is the first
-        joints["first_body"] = np.where(first < 0, own[np.maximum(-1 - first, 0)], first)
-        return replace(
-            part,
-            supports=supports,
-            support_displacement=moved,
-            support_force=self.support_force[:, below],
-            path=self.path.with_name(f"{self.path.stem}:{name}{self.path.suffix}"),
-            wall=name,
-            parameters=self.parameters
-            | {
-                "wall": wall,
-                "house": self.parameters["house"]
-                | {"walls": [walls[number] | {"outside": outside, "left_m": 0.0}]},
-            },
-            attributes=part.attributes
-            | {"wall": name, "drift_height_m": height, "length_m": wall["length"]},
-            joints=joints,
-            bodies=self.bodies[body].assign(x_m=self.bodies["x_m"] - left).reset_index(drop=True),
-            series=self.series.assign(top_displacement_m=top, drift_ratio=top / height),
-            displacement=self.displacement[:, body],
-            house=house.of(number, body, joint),
-        )
-
-    def _ground_of(self, number):
-        """Supports of a wall of a house, their displacement in its plane (n_times, n, 3) [m, m,
-        rad], and which of those of the house they are."""
-        if len(self.supports) == 1:
-            return self.supports, self.support_displacement, np.array([True])
-        placing, turn = self.placing, np.radians(self.parameters["house"]["heading"])
-        left, length = placing.left[number], placing.length[number]
-        at = self.supports[["left_m", "right_m"]].mean(axis=1)
-        own = ((at > left) & (at < left + length)).to_numpy()
-        facing = placing.axes[number, 0] @ [np.cos(turn), np.sin(turn), 0.0]
-        moved = self.support_displacement[:, own] * [facing, 1.0, facing]
-        return (self.supports[own] - left).reset_index(drop=True), moved, own
+        return wall_of(self, name)
 
     def of_face(self, face):
         """The History of a wall of a house as one of its FACES shows it, as of a plane wall: the
         contact points there, each with the whole of its length."""
-        (wall,) = self.parameters["house"]["walls"]
-        sign = wall.get("outside", 1) * (1 if face == "outside" else -1)
-        part = self._with_joints((np.sign(self.joints["y_m"]) == sign).to_numpy())
-        joints = in_one_layer(part.joints)
-        total = {"total_joint_length_m": float(joints["length_m"].sum())}
-        return replace(
-            part,
-            path=self.path.with_name(f"{self.path.stem}:{face}{self.path.suffix}"),
-            joints=joints,
-            attributes=self.attributes | total,
-            house=None,
-        )
+        return face_of(self, face)
 
     def check_one_layer(self):
         """Raise InputError of a wall of a house, which has other cracks at each of its faces."""
@@ -332,22 +226,6 @@ class History:
                 f"{self.path} has cracks of its own at each face: expected one face of a wall, as"
                 f" {place}:outside{suffix}; give that"
             )
-
-    def _with_joints(self, kept):
-        """The History with these joints alone, (n_joints,) bool."""
-        joints, events = self.joints[kept].reset_index(drop=True), self.events
-        events = events[kept[events["joint"]]].reset_index(drop=True)
-        new, active = np.cumsum(kept) - 1, kept[self.contacts.joints]
-        contacts = Contacts(*(values[..., active] for values in self.contacts))
-        stress = self.joint_stress_pa
-        return replace(
-            self,
-            joints=joints,
-            events=events.assign(joint=new[events["joint"]]),
-            contacts=contacts._replace(joints=new[contacts.joints]),
-            joint_stress_pa=None if stress is None else stress[:, kept],
-            attributes=self.attributes | {"total_joint_length_m": float(joints["length_m"].sum())},
-        )
 
     @cached_property
     def placing(self):
@@ -519,9 +397,10 @@ def _house(values, n_times, n_snapshots):
     """The HouseRows of the history of a house, None of a plane wall."""
     if "placing/body_wall" not in values:
         return None
+    older = {"failed_ties": np.zeros(n_times, "i4")}  # of files from before there were any
     return HouseRows(
         *(values[f"placing/{name}"][:] for name in schema.PLACING),
-        *(values[f"house/{name}"][:n_times] for name in schema.HOUSE),
+        *(values.get(f"house/{name}", older.get(name))[:n_times] for name in schema.HOUSE),
         values["snapshots/out_of_plane"][:n_snapshots],
     )
 

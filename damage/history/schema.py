@@ -264,6 +264,7 @@ HOUSE = {
         "only of a house: of the ground across its heading; those of the series are along it and"
         " upwards",
     ),
+    "failed_ties": Column("1", "only of a house: number of its ties that have failed", "i4"),
 }
 STRESSES = {
     "joint_stress_pa": Column(
@@ -344,6 +345,7 @@ SHAPES = {
     "stresses": ("samples", "joints", 2),
     "house": ("samples", "walls"),
     "house/base_acceleration_m_s2": ("samples",),
+    "house/failed_ties": ("samples",),
     "placing/body_wall": ("bodies",),
     "placing/joint_wall": ("joints",),
     "placing/joint_y_m": ("joints",),

@@ -150,6 +150,7 @@ def house_summary(history, walls):
         "status": history.status,
         "collapsed_at_s": history.collapsed_at_s,
         **energy_measures(history),
+        "failed_ties": int(history.house.failed_ties[-1]),
         "corners": corners,
         "walls": walls,
     }
@@ -189,6 +190,8 @@ def describe(found):
             + "{:>14s}{:>12s}{:>13s}".format(*numbers)
             + f"{100 * one['failed_share']:12.0f}"
         )
+    if found["failed_ties"]:
+        lines.append(f"{found['failed_ties']} ties failed")
     error = found["energy_error_fraction"]
     lines.append(
         f"of {rounded(found['input_energy_j'], 2)} J supplied, friction and fracture dissipated"

@@ -19,7 +19,8 @@ from damage.motion.record import Record
 from damage.provenance import shown_path
 from damage.reference.session import BACKEND, PROG
 from damage.run.cooperative import take_turns
-from damage.run.options import free_name, pictures_folder, settings_of
+from damage.run.options import settings_of
+from damage.run.paths import free_name, pictures_folder
 from damage.run.session import attended, prepare, simulate
 from damage.start import EXIT_INTERRUPTED
 from damage.wall.file import load_wall, wall_path

@@ -9,7 +9,8 @@ from damage.measure.house import describe as describe_together
 from damage.measure.house import house_summary
 from damage.measure.summary import summarise
 from damage.measure.warnings import warnings_of
-from damage.run.options import SUMMARY, pictures_folder
+from damage.run.options import SUMMARY
+from damage.run.paths import pictures_folder
 from damage.units import rounded
 from damage.wall.lintels import ElasticShare, describe_share
 

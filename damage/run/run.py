@@ -564,6 +564,7 @@ class Run:
             found["house/across_m"] = self.layout.space.across(across)
             found["house/top_across_m"] = self.layout.space.tops(across)
             found["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
+            found["house/failed_ties"] = now.failed_ties
         if now.joint_stress_pa is not None:
             found["stresses/joint_stress_pa"] = now.joint_stress_pa
         return found

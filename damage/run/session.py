@@ -29,7 +29,8 @@ from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resume
 from damage.run.cooperative import run_each, take_turns
 from damage.run.initial_state import read_state, without_bond
 from damage.run.monitor import DROP, FAILURE
-from damage.run.options import RUN_MEMBERS, free_name, parse_run
+from damage.run.options import RUN_MEMBERS, parse_run
+from damage.run.paths import free_name
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
@@ -39,9 +40,9 @@ from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
 from damage.wall.house import House, masonry_of
+from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
-from damage.wall.space import lay_out_house
 
 
 @dataclass(frozen=True)
@@ -262,7 +263,7 @@ def check(backend, wall, settings):
     """RunSettings with what this solver adds to them for this wall; raises InputError where they do
     not go together."""
     if isinstance(wall, House):
-        check_house(settings, wall)
+        check_house(backend, settings, wall)
     wall = masonry_of(wall)
     settings.check_plausible(wall)
     if wall.joint.softens and not backend.softening:
@@ -278,11 +279,12 @@ def check(backend, wall, settings):
     return settings
 
 
-def check_house(settings, house):
+def check_house(backend, settings, house):
     """Raise InputError where a run of a House is asked for what runs in the plane of a wall
     alone."""
     for placed in house.walls[1:]:
         settings.check_plausible(placed.wall)
+        backend.check(settings, placed.wall)
     drive = settings.loading.drive
     for what, given in (
         ("displacements of supports", drive.supports),
@@ -290,7 +292,6 @@ def check_house(settings, house):
             "a pushed top that may not rotate freely",
             drive.top and (not drive.top_rotates or drive.top_stiffness),
         ),
-        ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
         ("--new-contacts", settings.new_contacts),
@@ -340,7 +341,7 @@ def _opened(plan, state, parameters, out, write):
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
-    if writer.path and not layout.space:
+    if writer.path:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces

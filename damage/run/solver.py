@@ -29,7 +29,8 @@ class Instants(NamedTuple):
     None of rigid ones; joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear
     stress of all contact points, signed as their slip, None of a solver without `with_stresses`;
     out_of_plane: (n, n_bodies, 3) of a house, displacement across its wall and rotations about the
-    axes along it and upwards [m, rad, rad], None of a plane wall.
+    axes along it and upwards [m, rad, rad], None of a plane wall;
+    failed_ties: (n,) number of a house's ties that have failed.
     """
 
     clock: np.ndarray
@@ -48,6 +49,7 @@ class Instants(NamedTuple):
     strain: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
     out_of_plane: np.ndarray | None = None
+    failed_ties: np.ndarray | None = None
 
     @classmethod
     def one(cls, **values):

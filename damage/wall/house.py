@@ -28,13 +28,19 @@
     walls = ["left", "right"]
     mass_per_area = 80
 
-Its runs are YADE's: `./yade HOUSE.toml`.  `damage.wall.space` lays it out.
+    [[ties]]                        # across the cavity between two leaves, parallel walls
+    walls = ["front", "veneer"]
+    per_area = 4                    # [1/m2]
+    stiffness = 1e6                 # of one [N/m], and forces at which it fails [N]
+    tension = 1500
+    compression = 1000
+
+Its runs are YADE's: `./yade HOUSE.toml`.  `damage.wall.house_layout` lays it out.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -45,6 +51,7 @@ from damage.wall.file import MOST_MB, load_wall, read_wall, user_record
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.kinds import TINY
 from damage.wall.parameters import LONGEST_M, Wall
+from damage.wall.ties import Ties, spans_between
 
 KINDS_OF_CORNERS = "toothed", "butted"
 
@@ -127,25 +134,7 @@ class Diaphragm:
 
     def spans(self, walls):
         """The Spans between these Placed walls, those that carry it, of timber."""
-        axes = walls[0].axes[:2, :2]
-        place = [axes @ one.origin for one in walls]
-        order = sorted(range(len(walls)), key=lambda number: place[number][1])
-        ends = [sorted(axes[0] @ end for end in one.ends) for one in walls]
-        found = []
-        for one, other in zip(order, order[1:]):
-            left, right = (pick(ends[one][k], ends[other][k]) for k, pick in ((0, max), (1, min)))
-            if right - left < TINY:
-                raise InputError(
-                    f"floor at {self.level:g} m: walls {walls[one].wall.name} and"
-                    f" {walls[other].wall.name} face each other nowhere, so that it is in the air:"
-                    " expected walls beside each other; correct them, or their order"
-                )
-            along = []
-            for number in (one, other):
-                sign = walls[number].axes[0, :2] @ axes[0]
-                along.append(sorted(sign * (end - place[number][0]) for end in (left, right)))
-            found.append(Span(walls[one], walls[other], place[other][1] - place[one][1], *along))
-        return found
+        return spans_between(walls, f"floor at {self.level:g} m")
 
     def on_walls(self, walls):
         """{name of a wall: [Floor, ...]} of these Placed walls, those that carry it."""
@@ -160,16 +149,6 @@ class Diaphragm:
                 mass = self.mass_per_area * span.apart / 2 * (right - left)
                 found[one.wall.name].append(Floor(self.level, mass, left, right))
         return found
-
-
-class Span(NamedTuple):
-    """Of a floor between two walls: their distance, and its left and right end on either [m]."""
-
-    one: Placed
-    other: Placed
-    apart: float
-    along: list[float]
-    other_along: list[float]
 
 
 def outline(walls):
@@ -188,20 +167,20 @@ def outline(walls):
 
 @dataclass(frozen=True)
 class House:
-    """Placed walls of one masonry, their corners and floors; heading: of the first horizontal
-    component of the motion in plan, from x towards y [deg]."""
+    """Placed walls of bricks of one size, their corners, floors and ties; heading: of the first
+    horizontal component of the motion in plan, from x towards y [deg]."""
 
     name: str
     walls: tuple[Placed, ...]
     corners: tuple[Corner, ...] = ()
     floors: tuple[Diaphragm, ...] = ()
+    ties: tuple[Ties, ...] = ()
     heading: float = quantity("deg", -360, 360, default=0.0)
 
     def __post_init__(self):
         check_fields(self)
-        object.__setattr__(self, "walls", tuple(self.walls))
-        object.__setattr__(self, "corners", tuple(self.corners))
-        object.__setattr__(self, "floors", tuple(self.floors))
+        for name in ("walls", "corners", "floors", "ties"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.walls:
             raise InputError(f"house {self.name} has no [[walls]]: expected one or more; add them")
         names = self.names
@@ -212,15 +191,13 @@ class House:
                     " of them another"
                 )
         for corner in self.corners:
-            if len(set(corner.walls)) != 2 or not set(corner.walls) <= set(names):
-                raise InputError(
-                    f"house {self.name}, corner of {list(corner.walls)}: expected two of its walls,"
-                    f" {', '.join(names)}; correct it"
-                )
+            _check_corner(self, corner)
         for wall in (placed.wall for placed in self.walls):
             _check_masonry(self, wall)
         for floor in self.floors:
             _check_floor(self, floor)
+        for ties in self.ties:
+            ties.span(self)
 
     @property
     def names(self):
@@ -229,7 +206,8 @@ class House:
 
     @cached_property
     def masonry(self):
-        """The first wall under the name of the house, for what all walls share."""
+        """The first wall under the name of the house, for what all walls share, as the size of
+        bricks."""
         return replace(self.walls[0].wall, name=self.name)
 
     def carrying(self, floor):
@@ -263,20 +241,32 @@ class House:
             ],
             **{
                 name: [vars(one) | {"walls": list(one.walls)} for one in getattr(self, name)]
-                for name in ("corners", "floors")
+                for name in ("corners", "floors", "ties")
             },
         }
 
 
-def _check_masonry(house, wall):
-    """Refuse what a house cannot have yet: walls of different masonry, and what runs in a plane
-    alone."""
-    joint, first = wall.joint, house.masonry
-    if (wall.brick, joint) != (first.brick, first.joint):
+def _check_corner(house, corner):
+    """Refuse a corner of walls that are not there."""
+    if len(set(corner.walls)) != 2 or not set(corner.walls) <= set(house.names):
         raise InputError(
-            f"house {house.name}, wall {wall.name}: its bricks or joints differ from those of"
-            f" {house.names[0]}: expected one masonry of all walls; give them the same [brick] and"
-            " [joint]"
+            f"house {house.name}, corner of {list(corner.walls)}: expected two of its walls,"
+            f" {', '.join(house.names)}; correct it"
+        )
+
+
+def _check_masonry(house, wall):
+    """Refuse what a house cannot have yet: walls of bricks of other sizes, and what runs in a plane
+    alone."""
+    joint, (size, first) = (
+        wall.joint,
+        [(one.length, one.height, one.thickness) for one in (wall.brick, house.masonry.brick)],
+    )
+    if size != first:
+        raise InputError(
+            f"house {house.name}, wall {wall.name}: its bricks have the size {size} m, those of"
+            f" {house.names[0]} {first} m: expected one size, so that courses meet; correct the"
+            " [brick] of one"
         )
     for what, given in (
         ("fracture energies of joints", joint.softens),
@@ -315,8 +305,8 @@ def read_house(path):
     """The House of a TOML file; InputError for anything that makes none."""
     path = Path(path)
     table = dict(read_toml(path, "a house as TOML", MOST_MB))
-    walls, corners, floors = (
-        _tables(path, table.pop(name, [])) for name in ("walls", "corners", "floors")
+    walls, corners, floors, ties = (
+        _tables(path, table.pop(name, [])) for name in ("walls", "corners", "floors", "ties")
     )
     walls = [_placed(path, number, dict(one)) for number, one in enumerate(walls, 1)]
     corners = [
@@ -330,14 +320,17 @@ def read_house(path):
         user_record(f"{path}, [[floors]] {number}", Diaphragm, one)
         for number, one in enumerate(floors, 1)
     ]
-    parts = {"walls": walls, "corners": corners, "floors": floors}
+    ties = [
+        user_record(f"{path}, [[ties]] {number}", Ties, one) for number, one in enumerate(ties, 1)
+    ]
+    parts = {"walls": walls, "corners": corners, "floors": floors, "ties": ties}
     return user_record(f"{path}", House, table | parts)
 
 
 def _tables(path, given):
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise InputError(
-            f"{path}: expected tables [[walls]], [[corners]], [[floors]]; correct them"
+            f"{path}: expected tables [[walls]], [[corners]], [[floors]], [[ties]]; correct them"
         )
     return given
 

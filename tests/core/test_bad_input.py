@@ -381,7 +381,6 @@ MISTAKES = [
     ("+", f'{FLOOR}mass = 100\nkind = "steel"', "expected one of timber, concrete"),
     ("+", FLOOR, "without a mass: expected mass"),
     ("+", 1001 * f"{FLOOR}mass = 900\n", "1001 floors: expected up to 1000"),
-    ("+", 100_000 * "a." + "a = 1", "a key of more than 20 parts"),
     ("+", f"{FLOOR}levl = 2.7", r"did you mean level\?"),
     ("+", "[floors]\nlevel = 2.7\nmass = 100", "double the brackets"),
     ("length", '"4.4 m"', "Wall.length = '4.4 m': expected a number"),

@@ -11,7 +11,8 @@ from conftest import refused_with
 from damage.applications.studies.read import read_table
 from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
-from damage.run.options import free_name, parse_run, settings_of, words_of
+from damage.run.options import parse_run, settings_of, words_of
+from damage.run.paths import free_name
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
 from damage.wall.parameters import Wall

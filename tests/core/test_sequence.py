@@ -18,7 +18,8 @@ from damage.motion.sequence import read_sequence
 from damage.reference.session import run_reference
 from damage.rounded import ACCELERATION
 from damage.run.banner import sequence_lines
-from damage.run.options import free_name, parse_run
+from damage.run.options import parse_run
+from damage.run.paths import free_name
 from damage.run.report import describe_events
 from damage.run.schedule import base_acceleration, stages
 from damage.run.settings import SETTLE_S

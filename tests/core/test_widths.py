@@ -19,7 +19,7 @@ from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
 from damage.law.states import ENDED, FAILED
-from damage.mechanics import bodies, samples, step, tables
+from damage.mechanics import bodies, samples, step
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.simd import (
     EIGHT,
@@ -314,16 +314,6 @@ def test_walls_of_other_bricks_soil_or_strain_modes_are_reported():
         with pytest.raises(ValueError, match="other bricks"):
             run_together([one, other], 10)
         assert ensembles.move([(one, 1), (other, 1)]) == [None, None]
-
-
-def test_the_tables_of_a_member_are_views_of_those_of_the_batch():
-    walls = [make("brittle", seed) for seed in range(3)]
-    run_together(walls, 5)
-    of_batch = walls[0].lanes.tables
-    for wall in walls:
-        for name in tables.System._fields:
-            one = getattr(wall.system, name)
-            assert one.size == 0 or any(np.shares_memory(one, table) for table in of_batch), name
 
 
 @pytest.mark.parametrize("n_walls, kind", [(3, "brittle"), (1, "deformable")])

@@ -20,7 +20,7 @@ from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import figures as study_figures
-from paper.harmonic_figures import against_amplitude, drifts, evolution, motions
+from paper.harmonic_figures import against_amplitude, drifts
 from paper.ida_figures import against_drift, nonnegative_parabola, records, residual_against_pga
 from paper.results import load_results, variants
 
@@ -230,24 +230,6 @@ class TestAgainstAmplitude:
 
 
 class TestOverTime:
-    def test_motions_reach_their_amplitudes(self, harmonic):
-        ax = panel(motions(harmonic.points), "0.33")
-        assert_allclose(
-            [np.abs(line.get_ydata()).max() for line in ax.lines], AMPLITUDES_G, rtol=1e-3
-        )
-        assert_allclose([line.get_xdata()[-1] for line in ax.lines], 3 * 0.33)
-
-    def test_the_index_and_its_components_are_drawn(self, results, harmonic):
-        ax = panel(evolution(results, harmonic), "0.2 s, 0.1 g")
-        point = harmonic.reference.iloc[2]
-        drawn = {
-            to_rgba(line.get_color()): line.get_ydata()
-            for line in ax.lines
-            if line.get_linestyle() == "-"
-        }
-        for name, colour in (("DI", BLACK), ("DI_slip", BLUE)):
-            assert_allclose(drawn[to_rgba(colour)], results.index(point)[name])
-
     def test_the_last_full_cycle_is_marked_with_its_duration(self, results, harmonic):
         """At resonance: the period nearest to the wall's 0.19 s; a drift of six samples a cycle."""
         figure = drifts(results, harmonic)

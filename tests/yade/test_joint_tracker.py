@@ -16,11 +16,11 @@ from damage.law.joint_law import (
     material_of,
 )
 from damage.wall.house import Diaphragm, House, Placed
+from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.space import lay_out_house
 from yade_scripts.joint_tracker import JointTracker
 
 FIVE_FIFTY = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
@@ -73,6 +73,23 @@ def test_slip_work_and_flags_follow_the_law(every):
     assert_allclose(tracker.friction_energy, state.friction_work * area, rtol=0.01 * every)
     assert_allclose(tracker.fracture_energy, state.fracture_work * area, rtol=1e-9)
     assert tracker.at_limit[0] and state.at_limit
+
+
+def test_friction_work_is_of_the_mean_stress_and_slip_is_said_beyond_the_threshold():
+    """Of 0.1 mm, by a joint that slides to 0.08 and to 0.12 mm while its pressure halves twice."""
+    layout = lay_out(Wall("small", 0.45, 0.15))
+    tracker, first = JointTracker(layout, 1e-4), np.array([0])
+    stiffness, limit = tracker.shear_stiffness[0], 0.1e6 * tracker.friction[0]
+    tracker.breaks(0, "shear", -0.1e6, 0.3e6)
+    news = [
+        tracker.sample(
+            first, np.array([-1e-7]), np.array([slip + tau / stiffness]), np.array([tau])
+        )
+        for slip, tau in ((0.8e-4, limit / 2), (1.2e-4, limit / 4), (1.3e-4, limit / 4))
+    ]
+    work = limit * (0.75 * 0.8e-4 + 0.375 * 0.4e-4 + 0.25 * 0.1e-4)
+    assert_allclose(tracker.friction_energy, work * tracker.area[0])
+    assert news == [[], [(0, "slipped")], []]
 
 
 def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():

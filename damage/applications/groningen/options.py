@@ -8,7 +8,8 @@ from damage.arguments import arg, file_arg, number_from
 from damage.errors import InputError
 from damage.fields import MOST_SEED
 from damage.motion.formats import shipped_records
-from damage.run.options import Source, fields_of_events, refuse_motions, register
+from damage.run.motion_options import fields_of_events, refuse_motions
+from damage.run.options import Source, register
 
 
 def _fields(given):

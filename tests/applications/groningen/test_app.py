@@ -249,24 +249,6 @@ def test_what_is_no_photograph_is_one_line(data, said):
     refused_with(said, cleaned, data)
 
 
-def with_scans(photo, more):
-    """A JPEG with its last scan so many times more."""
-    last = photo[photo.rindex(b"\xff\xda") : -2]
-    return photo[:-2] + more * last + photo[-2:]
-
-
-def test_a_photograph_of_many_scans_is_refused_and_their_bytes_elsewhere_are_not_counted():
-    """Each takes time for all pixels: 200 of 50 million hold a processor for seconds."""
-    file = io.BytesIO()
-    Image.new("RGB", (400, 300), (90, 120, 40)).save(
-        file, "JPEG", progressive=True, comment=b"\xff\xda" * 100
-    )
-    photo = file.getvalue()
-    assert cleaned(photo) == cleaned(photo + b"\xff\xda" * 100) == cleaned(with_scans(photo, 20))
-    refused_with("cannot be read; expected .* 32 scans", cleaned, with_scans(photo, 30))
-    refused_with("cannot be read; expected .* 32 scans", cleaned, with_scans(photo, 100_000))
-
-
 def test_a_photograph_is_straightened_by_corners_of_the_outline(client):
     """Of a gabled front the eaves and not the height of its ridge, which would stretch it."""
     gable = "outline = [[0, 0.6], [0.5625, 0.75], [1.125, 0.6]]\nheight = 0.75"
@@ -546,27 +528,6 @@ def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, 
     done(client, "start", **START, shown=shown | {"levels": "not used"})
 
 
-def test_a_page_that_is_loaded_again_shows_what_was_sent(client, monkeypatch):
-    """Whole numbers, areas whose corners were given the other way round."""
-    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
-    done(client, "front", text=FRONT)
-    other = {"label": "B", "points": [[0.5, 0.1], [0.8, 0.3]], "offset": "yes"}
-    done(
-        client,
-        "survey",
-        **drawn(CRACK | {"width_mm": 5}, CRACK | other)
-        | {"areas": [[[1.1, 0.1], [0.8, 0.5]]], "limit_mm": 1},
-    )
-    state = client.get(f"{ROOT}/api/state", headers={"Host": HERE}).get_json()
-    survey = state["drawn"] | {"areas": [[area[:2], area[2:]] for area in state["drawn"]["areas"]]}
-    done(
-        client,
-        "start",
-        **START,
-        shown={"front": state["front"]["text"], "levels": "", "survey": survey},
-    )
-
-
 def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatch):
     """It has a file that its owner alone can read."""
     opened = []
@@ -585,12 +546,6 @@ def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatc
         re.search(r'content="0; url=http://127\.0\.0\.1:\d+/\w{16}/\?token=[\w-]{40,}"', text)
         and not file.exists()
     )
-
-
-def test_a_pipe_is_not_opened(client, tmp_path):
-    """It would keep the page waiting."""
-    os.mkfifo(tmp_path / "out" / "house.toml")
-    assert "house.toml is a link, a pipe or a device" in refused(client, "front", text=FRONT)
 
 
 def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path, monkeypatch):

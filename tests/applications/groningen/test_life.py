@@ -153,7 +153,6 @@ class TestAddress:
             (ADDRESS + "scale_to = 'pga'\n", "scale_to"),
             (ADDRESS + "seed = 1.5\n", "seed"),
             ("latitude = [\n", "no TOML"),
-            ("a." * 100_000 + "a = 1\n", "a key of more than 20 parts"),
             (ADDRESS + "catalogue = 'nowhere.csv'\n", "nowhere.csv"),
         ],
     )

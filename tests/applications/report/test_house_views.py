@@ -21,9 +21,9 @@ from damage.measure.house import corner_joints, corners_table, walls_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_table, write_run_tables
 from damage.wall.house import Corner, House, Placed, read_house
+from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import SLAB_COURSE
 from damage.wall.parameters import Brick, Wall
-from damage.wall.space import lay_out_house
 
 BRICKS = {"height": 0.4, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
 """Walls of two courses."""

@@ -12,15 +12,12 @@ import pytest
 from conftest import one_line_error
 from environments import environment, run_in
 from numpy.testing import assert_allclose
-from test_reference import settle
 
 import damage
 from damage.applications.report.opensees import write_opensees
 from damage.errors import RunWarning
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
 from damage.law.modes import natural_modes, static_displacement
-from damage.reference.solver import ReferenceSolver
-from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
@@ -30,15 +27,11 @@ SCATTERED = ModelOptions(contacts="corners", strength_cov=0.3, strength_seed=4)
 
 
 class Recorder(types.ModuleType):
-    """In the place of openseespy.opensees: keeps every command, (name, arguments), and gives
-    displacements."""
+    """In the place of openseespy.opensees: keeps every command, (name, arguments)."""
 
     def __init__(self):
         super().__init__("openseespy.opensees")
-        self.commands, self.moved = [], {}
-
-    def nodeDisp(self, node):
-        return self.moved.get(node, (0.0, 0.0, 0.0))
+        self.commands = []
 
     def __getattr__(self, name):
         if name.startswith("__"):
@@ -60,40 +53,6 @@ def script_of(layout, tmp_path, monkeypatch):
     exec(write_opensees(layout, tmp_path / "wall.py").read_text(encoding="utf-8"), names)
     names["build"]()
     return names, ops
-
-
-def assembled(ops):
-    """Stiffness and masses of the bodies by the commands alone: (3 n, 3 n), (3 n,)."""
-    places = {node: np.array(at) for node, *at in ops.all_of("node")}
-    masses = {node: values for node, *values in ops.all_of("mass")}
-    body_of = {node: body for kind, body, node in ops.all_of("rigidLink") if kind == "beam"}
-    fixed = {node for node, *dofs in ops.all_of("fix") if dofs == [1, 1, 1]}
-    springs = {tag: k for kind, tag, k in ops.all_of("uniaxialMaterial") if kind == "Elastic"}
-    order = {body: k for k, body in enumerate(masses)}
-    stiffness = np.zeros((3 * len(order), 3 * len(order)))
-
-    def row_of(node, axis):
-        """Displacement of a node along an axis by the coordinates of its body, (3 n,)."""
-        row = np.zeros(len(stiffness))
-        if node not in fixed:
-            arm, at = places[node] - places[body_of[node]], 3 * order[body_of[node]]
-            row[at : at + 3] = axis[0], axis[1], axis[1] * arm[0] - axis[0] * arm[1]
-        return row
-
-    for kind, _, first, second, *words in ops.all_of("element"):
-        assert (
-            kind == "zeroLength"
-            and words[0] == "-mat"
-            and words[3:6] == ["-dir", 1, 2]
-            and words[6] == "-orient"
-        )
-        assert np.all(places[first] == places[second])
-        axes = np.array(words[7:10]), np.array(words[10:13])
-        assert_allclose([axes[0] @ axes[0], axes[1] @ axes[1], axes[0] @ axes[1]], [1, 1, 0])
-        for tag, axis in zip(words[1:3], axes):
-            row = sum(sign * row_of(node, axis) for node, sign in ((first, -1.0), (second, 1.0)))
-            stiffness += springs[tag] * np.outer(row, row)
-    return stiffness, np.array(list(masses.values())).ravel()
 
 
 @pytest.mark.parametrize(
@@ -124,59 +83,6 @@ def test_opensees_has_the_mass_the_joints_and_their_sums(wall, options, tmp_path
         joints[breakable, 5].sum(), np.sum((contacts.cohesion * contacts.area)[~contacts.elastic])
     )
     assert_allclose(names["FRICTION"], math.tan(wall.joint.friction_angle), rtol=1e-15)
-
-
-def test_opensees_settles_as_the_reference_solver_does(tmp_path, monkeypatch):
-    """A linear solution of the commands by numpy; the reference solver's static stage is a damped
-    motion."""
-    layout = lay_out(DOOR, SCATTERED)
-    stiffness, mass = assembled(script_of(layout, tmp_path, monkeypatch)[1])
-    moved = np.linalg.solve(
-        stiffness, np.where(np.arange(len(mass)) % 3 == 1, -GRAVITY * mass, 0.0)
-    ).reshape(-1, 3)
-    assert_allclose(moved, static_displacement(layout), rtol=1e-7, atol=1e-12)
-    solver = ReferenceSolver(layout, 0.35 * natural_modes(layout).critical_time_step_s)
-    settle(solver, 0.5)
-    largest = np.abs(moved[:, 1]).max()
-    assert_allclose(solver.displacement[: len(moved), 1], moved[:, 1], atol=2e-4 * largest)
-    values = np.linalg.eigvals(stiffness / mass[:, None]).real.min()
-    assert_allclose(2 * np.pi / math.sqrt(values), natural_modes(layout).period_s[0], rtol=1e-6)
-
-
-@pytest.mark.parametrize("beyond", [False, True])
-@pytest.mark.parametrize("mode", ["tension", "shear", "shear under pressure"])
-def test_opensees_breaks_a_joint_at_its_strength(mode, beyond, tmp_path, monkeypatch):
-    """Just below its strength none fails, just beyond it the one does, and a slider of its
-    stiffness follows."""
-    layout = lay_out(DOOR, ModelOptions())
-    names, ops = script_of(layout, tmp_path, monkeypatch)
-    # a head joint, its normal along x
-    joint = next(one for one in names["JOINTS"] if one[5] == 1.0)
-    tag, _, _, _, _, _, _, kn, ks, tension, cohesion = joint
-    pressure = 5e3 if mode == "shear under pressure" else 0.0
-    force = tension if mode == "tension" else cohesion + names["FRICTION"] * pressure
-    share = 1 + 1e-9 if beyond else 1 - 1e-9
-    ends = names["INTACT"][tag][0]
-    ops.moved[ends[1]] = (
-        (force * share / kn, 0.0, 0.0)
-        if mode == "tension"
-        else (-pressure / kn, -force * share / ks, 0.0)
-    )
-    before = len(ops.all_of("element"))
-    assert names["break_joints"]() == beyond
-    sliders = ops.all_of("element")[before:]
-    assert [one[:6] for one in sliders] == [("flatSliderBearing", tag, *ends, 1, ks)] * beyond
-    assert (("element", tag) in ops.all_of("remove")) is beyond and (
-        tag not in names["INTACT"]
-    ) is beyond
-    assert ops.all_of("frictionModel") == [("Coulomb", 1, names["FRICTION"])]
-    if beyond:  # its spring along the normal is the bond's; moments are none
-        words = sliders[0][6:]
-        springs = {number: k for kind, number, k in ops.all_of("uniaxialMaterial")}
-        assert (springs[words[words.index("-P") + 1]], springs[words[words.index("-Mz") + 1]]) == (
-            kn,
-            0.0,
-        )
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,14 @@ yade tests/yade/checks/space.py box                four walls stay symmetric
 yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
                                                    these horizontal accelerations [g] in turn
 yade tests/yade/checks/space.py tilt               a house turns with its ground
+yade tests/yade/checks/space.py numbers            what is read from YADE's memory
 yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
+yade tests/yade/checks/space.py ties               two blocks with a tie: share of a push, force at
+                                                   which it pulls out or buckles, energy
+yade tests/yade/checks/space.py masonries          two dry blocks of other friction slide, or rest
+yade tests/yade/checks/space.py strip 5e4 0.96 1   a strip between floors bends out of plane, of
+                                                   this tensile strength [Pa], under accelerations
+                                                   [g], beside the plane model
 """
 
 import json
@@ -21,32 +28,40 @@ from scipy.sparse.linalg import spsolve
 from yade import O, Quaternion, Vector3
 
 from damage.law.modes import natural_modes, stiffness_matrix
+from damage.reference.solver import ReferenceSolver
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.house import Corner, Diaphragm, House, Placed
+from damage.wall.house_layout import lay_out_house
+from damage.wall.kinds import SLAB_COURSE
+from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.space import lay_out_house
+from damage.wall.restraints import Restraint
+from damage.wall.ties import Ties
+from yade_scripts import memory
 from yade_scripts.solver import YadeSolver
 
 
-def solver_of(house, options=None):
-    """Its YadeSolver, at rest, with a step of a third of the critical one."""
+def solver_of(house, options=None, share=1 / 3):
+    """Its YadeSolver, at rest, with a step of this share of the critical one."""
     layout = lay_out_house(house, options)
-    return YadeSolver(layout, natural_modes(layout, 1).critical_time_step_s / 3)
+    return YadeSolver(layout, share * natural_modes(layout, 1).critical_time_step_s)
 
 
 def block():
     """Quarter period [s] of 0.1 x 1 m on two that are held, released from 0.4 of the angle at which
     it would fall, by YADE and by its equation of motion; and by how much the largest opening, out
-    of reach of the contacts at first, differs from thickness times angle [m]."""
+    of reach of the contacts at first, differs from thickness times angle [m].  Half-way another
+    solver takes over from a checkpoint: which contacts were out of reach then, and at the end."""
     thick, high = 0.1, 1.0
     brick = Brick(length=0.4, height=high, thickness=thick, young_modulus=1e14, shear_modulus=1e14)
     joint = Joint(1e11, 4e10, tensile_strength=0, cohesion=0)
     wall = Wall(
         "block", 0.4, 2 * high, base_course="half", precompression=0, brick=brick, joint=joint
     )
-    solver = solver_of(House("block", [Placed(wall, direction=37)]))
+    house = House("block", [Placed(wall, direction=37)])
+    solver = solver_of(house)
     alpha = math.atan(thick / high)
     angle, axes = 0.4 * alpha, solver.layout.space.of_body[0]
     *below, state = solver.scene.states
@@ -67,7 +82,12 @@ def block():
         gaps.append(now.contacts["opening_m"].max() - thick * math.sin(angles[-1]))
         return angles[-1] > 0 or len(times) < 3
 
-    solver.advance(int(0.35 / O.dt), 10, look)
+    solver.advance(int(0.1 / O.dt), 10, look)
+    gone, tables = sorted(solver.model.gone), solver.checkpoint()
+    solver = solver_of(house)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    solver.restore(tables)
+    solver.advance(int(0.25 / O.dt), 10, look)
     quarter = np.interp(0.0, angles[:-3:-1], times[:-3:-1])
     radius = math.hypot(thick, high) / 2
     rate = 3 * GRAVITY / (4 * radius)  # m g R / I about the edge
@@ -77,7 +97,8 @@ def block():
         angle += step * speed
         exact += step
     gap = float(np.abs(gaps[2:]).max())
-    return {"quarter_s": float(quarter), "exact_s": exact, "gap_m": gap}
+    left = sorted(solver.model.gone)
+    return {"quarter_s": float(quarter), "exact_s": exact, "gap_m": gap, "gone": [gone, left]}
 
 
 def box():
@@ -137,6 +158,30 @@ def front_between(joint):
         [Corner(("front", one.name), "toothed") for one in sides],
         heading=90,
     )
+
+
+def numbers():
+    """Work of friction [J] of a dry front that slides for 150 steps, from YADE's memory and as of a
+    build that has other places; how many contacts are read there; whether their numbers are those
+    that Python gets; and whether an address of no memory is refused."""
+    house, found = front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)), {"alike": True}
+    for name in ("memory", "asked"):
+        solver = solver_of(house)
+        base = np.tile([1.5 * GRAVITY, 0.0, 0.0], (200, 1))
+        solver.start(base, np.array([GRAVITY]))
+        for _ in range(3):
+            solver.advance(50)
+            work = solver.model.work
+            joints = work.tables()[0]
+            depth, slid, force = work.numbers.read(joints)
+            for row, joint in enumerate(joints):
+                geom, phys = solver.scene.geometries[joint], solver.scene.physics[joint]
+                asked = [geom.penetrationDepth, *geom.shearInc, *phys.shearForce]
+                found["alike"] &= [depth[row], *slid[:, row], *force[:, row]] == asked
+        found[name] = work.total
+        found[f"views_{name}"] = sum(bool(work.numbers._views[joint]) for joint in joints)
+        memory._HELD = None
+    return found | {"refused": not memory._there(8, [0.0])}
 
 
 def tilt():
@@ -264,12 +309,166 @@ def corner(*multipliers):
     return found
 
 
-print(
-    json.dumps(
-        {"block": block, "box": box, "corner": corner, "bonded": bonded, "tilt": tilt}[sys.argv[1]](
-            *map(float, sys.argv[2:])
-        )
-    )
-)
+THICK, HIGH, WIDE, DENSITY = 0.2, 2.4, 0.4, 2000.0
+"""Of a strip [m, kg/m3]."""
+
+
+def strips(strength):
+    """Solvers of a strip of 12 courses below a floor as heavy as it, which moves with the base; in
+    YADE a house, in the reference solver a plane wall as long as the strip is thick."""
+    joint = Joint(1e11, 4e10, math.atan(0.75), strength, 2 * strength)
+    rigid = {"density": DENSITY, "young_modulus": 1e14, "shear_modulus": 1e14}
+    common = {"precompression": 0, "joint": joint}
+    load = DENSITY * HIGH  # [kg/m2]
+    wall = Wall("strip", WIDE, HIGH + 0.2, brick=Brick(WIDE, 0.2, THICK, **rigid), **common)
+    slab = Diaphragm(HIGH + 0.2, ("strip",), load, "concrete", 0.2)
+    space = solver_of(House("strip", [Placed(wall)], floors=[slab], heading=90))
+    for floor in np.flatnonzero(space.layout.bodies.course == SLAB_COURSE):
+        space.scene.states[floor].blockedDOFs = "xyXYZ"
+    common |= {"precompression": load * GRAVITY, "restraints": [Restraint("top")]}
+    wall = Wall("strip", THICK, HIGH, brick=Brick(WIDE, 0.2, WIDE, **rigid), **common)
+    layout = lay_out(wall, ModelOptions(contacts="corners", cells=9))
+    step = natural_modes(layout, 1).critical_time_step_s / 3
+    return {"yade": space, "plane": ReferenceSolver(layout, step)}
+
+
+def strip(strength, *multipliers):
+    """Of each solver under each acceleration, which comes in 0.3 s: displacement at mid-height [mm]
+    and its speed [mm/s] after 0.8 s or at 20 mm, {height of a bed joint [m]: face, -1 or 1, where
+    it is open by a third of the most}, and {height: acceleration [g] at its first failure}."""
+    return {
+        f"{name} {multiplier:g}": _bent(solver, multiplier)
+        for multiplier in multipliers
+        for name, solver in strips(strength).items()
+    }
+
+
+def _bent(solver, multiplier):
+    layout, dt, moved, failed = solver.layout, solver.time_step, [0.0], {}
+    contacts, seen = layout.contacts, []
+
+    def go(seconds):
+        steps = int(seconds / dt)
+        for one, *some in solver.advance(steps, steps, lambda now: seen.append(now) or True):
+            one.run(*some)
+
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    go(0.05)
+    rise = np.minimum(np.arange(int(0.8 / dt)) * dt / 0.3, 1.0)
+    base = np.zeros((len(rise), 3 if layout.space else 2))
+    base[:, 0] = multiplier * GRAVITY * rise**2 * (3 - 2 * rise)
+    solver.start(base, np.array([GRAVITY]))
+    middle = np.abs(layout.bodies.z - HIGH / 2).argmin()
+    solver.drain_events()
+    while solver.clock < len(rise) - 0.01 / dt and abs(moved[-1]) < 0.02:
+        go(0.01)
+        now = seen[-1]
+        motion = now.out_of_plane if layout.space else now.displacement
+        moved.append(float(motion[-1, middle, 0]))
+        for step, joint, *_ in solver.drain_events():
+            at = round(float(contacts.z[joint]), 2)
+            failed.setdefault(at, round(float(base[min(step, len(base) - 1), 0] / GRAVITY), 2))
+    opening = np.zeros(layout.n_joints)
+    opening[now.joints] = now.contacts["opening_m"][-1]
+    y = layout.space.y if layout.space else contacts.x - THICK / 2
+    wide = np.flatnonzero((opening > opening.max() / 3) & ~contacts.upright[: layout.n_joints])
+    wide = wide[np.argsort(np.abs(y[wide]))]  # faces last, which stay
+    return {
+        "middle_mm": 1e3 * moved[-1],
+        "speed_mm_s": 1e2 * 1e3 * (moved[-1] - moved[-2]),
+        "open": {round(float(contacts.z[one]), 2): float(np.sign(y[one])) for one in wide},
+        "failed": failed,
+    }
+
+
+def leaves(share=1 / 3):
+    """Solver of two blocks on the ground, 0.2 m apart, with a tie between their middles, and the
+    compliance of one there [m/N], by sliding and rocking."""
+    size, thick, high = 0.4, 0.1, 0.2
+    joint = Joint(1e10, 4e9, tensile_strength=1e7, cohesion=1e7)
+    brick = Brick(size, high, thick, young_modulus=1e14, shear_modulus=1e14)
+    walls = [
+        Placed(Wall(name, size, high, precompression=0, brick=brick, joint=joint), (0, y), 0)
+        for name, y in (("inner", 0), ("outer", 0.2))
+    ]
+    ties = Ties(("inner", "outer"), 6.25, TIE_N_M, tension=1000, compression=500)
+    area = size * thick
+    compliance = 1 / (4e9 * area) + (high / 2) ** 2 / (1e10 * area * thick**2 / 12)
+    return solver_of(House("leaves", walls, ties=[ties]), share=share), compliance
+
+
+def masonries():
+    """How far [mm] two dry blocks with a friction of 0.4 and 0.6 slide in 0.2 s under 0.5 g, and
+    the one with less by hand."""
+    size, walls = {"length": 0.4, "height": 0.2, "precompression": 0}, []
+    for y, friction in ((0, 0.6), (1, 0.4)):
+        joint = Joint(1e10, 4e9, math.atan(friction), tensile_strength=0, cohesion=0)
+        brick = Brick(0.4, 0.2, 0.2, density=4000 * friction)
+        walls.append(Placed(Wall(f"block-{y}", brick=brick, joint=joint, **size), (0, y)))
+    solver = solver_of(House("masonries", walls))
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    solver.advance(int(0.02 / O.dt))
+    solver.damp()
+    steps = round(0.2 / O.dt)
+    base = np.zeros((steps, 3))
+    base[:, 0] = 0.5 * GRAVITY
+    solver.start(base, np.array([GRAVITY]))
+    before = solver.scene.motion()[:, 0]
+    solver.advance(steps)
+    moved = 1e3 * (before - solver.scene.motion()[:, 0])
+    return {"moved_mm": moved.tolist(), "exact_mm": 1e3 * 0.5 * 0.1 * GRAVITY * 0.2**2}
+
+
+TIE_N_M = 1e7
+
+
+def ties():
+    """Share of a push on one block that the tie carries to the other, and the forces [N] at which
+    it fails, away and towards, beside two springs and a third; and energies [J] over those at the
+    start, of a block that was knocked away, before and after the tie has failed."""
+    found = {}
+    for name, sign in (("tension", 1), ("compression", -1)):
+        solver, compliance = leaves()
+        solver.damp(local=0.7)
+        solver.start(NO_MOTION, np.zeros(1))
+        force, share = 0.0, 0.0
+        while solver.ties.failed == 0:
+            share = float(solver.ties.forces()[0]) * sign / force if force else 0.0
+            force += 50.0
+            O.forces.setPermF(solver.model.clumps[1], (0, sign * force, 0))
+            solver.advance(150)
+        exact = TIE_N_M * compliance / (1 + 2 * TIE_N_M * compliance)
+        found[name] = {"share": share, "exact_share": exact, "force_n": force}
+        found[name]["exact_n"] = (1000 if sign > 0 else 500) / exact
+    solver, _ = leaves(1 / 20)
+    speed = np.zeros((2, 6))
+    speed[1, 3] = 0.5
+    solver.set_velocities(speed)
+    solver.start(NO_MOTION, np.zeros(1))
+    energies = []
+
+    def look(now):
+        energies.append(float((now.kinetic_j + now.elastic_j + now.fracture_j)[0]))
+        return True
+
+    solver.advance(1000, 1, look)
+    energies = np.array(energies) / (0.5 * solver.layout.bodies.mass[1] * 0.5**2)
+    return found | {"energies": [energies.min(), energies.max()], "failed": solver.ties.failed}
+
+
+CHECKS = {
+    "block": block,
+    "box": box,
+    "corner": corner,
+    "bonded": bonded,
+    "masonries": masonries,
+    "strip": strip,
+    "numbers": numbers,
+    "ties": ties,
+    "tilt": tilt,
+}
+print(json.dumps(CHECKS[sys.argv[1]](*map(float, sys.argv[2:]))))
 sys.stdout.flush()
 os._exit(0)

@@ -2,7 +2,6 @@
 front."""
 
 import io
-import re
 import warnings
 
 import numpy as np
@@ -11,8 +10,6 @@ from damage.errors import InputError
 
 MOST_BYTES, MOST_PIXELS, LONGEST_PX = 20_000_000, 50_000_000, 4000
 """What an upload may have; longer sides are made smaller."""
-MOST_SCANS = 32
-"""Of a JPEG: a progressive one has some ten, and each takes time for all of its pixels."""
 FORMATS = "JPEG", "PNG"
 MARGIN_M = 0.1
 """How much is shown around the wall [m]."""
@@ -28,7 +25,7 @@ def cleaned(data):
     from PIL import Image, ImageOps
 
     try:
-        if len(data) > MOST_BYTES or _scans(data) > MOST_SCANS:
+        if len(data) > MOST_BYTES:
             raise ValueError
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -39,25 +36,10 @@ def cleaned(data):
     except Exception as error:  # of a damaged file Pillow raises many kinds
         raise InputError(
             f"the photograph cannot be read; expected {' or '.join(FORMATS)} of up to"
-            f" {MOST_BYTES / 1e6:g} MB, {MOST_PIXELS / 1e6:g} million pixels and {MOST_SCANS}"
-            " scans; save it as such"
+            f" {MOST_BYTES / 1e6:g} MB and {MOST_PIXELS / 1e6:g} million pixels; save it as such"
         ) from error
     upright.thumbnail((LONGEST_PX, LONGEST_PX))
     return _as_jpeg(Image.frombytes("RGB", upright.size, upright.tobytes()))  # pixels alone
-
-
-_MARKER = re.compile(rb"\xff([^\x00\x01\xd0-\xd8\xff])")  # but for those without a length
-_END, _SCAN = 0xD9, 0xDA
-
-
-def _scans(data):
-    """Number of scans in the bytes of a JPEG, up to the end of the picture; further ones than
-    MOST_SCANS are not counted."""
-    place, scans = 0, 0
-    while scans <= MOST_SCANS and (found := _MARKER.search(data, place)) and found[1][0] != _END:
-        scans += found[1][0] == _SCAN
-        place = found.end() + max(2, int.from_bytes(data[found.end() : found.end() + 2], "big"))
-    return scans
 
 
 def _as_jpeg(picture):

@@ -1,0 +1,187 @@
+"""The history of a house, cut into those of its walls and of their faces."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.history.contacts import Contacts
+from damage.wall.geometry import in_one_layer
+from damage.wall.placing import FACES
+
+
+class HouseRows(NamedTuple):
+    """What the history of a house has beside that of a plane wall: number of the wall of each body
+    and of each contact point, -1 between two, place of that and of each body's centre from the
+    wall's middle plane, size of the bodies across it [m]; of each sample and wall displacement of
+    the top along it, the largest across it, and that of the top across it (n_times, n_walls) [m];
+    acceleration of the ground across the heading (n_times,) [m/s2], number of failed ties
+    (n_times,); displacement across and
+    rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
+
+    body_wall: np.ndarray
+    joint_wall: np.ndarray
+    joint_y_m: np.ndarray
+    body_y_m: np.ndarray
+    body_depth_m: np.ndarray
+    top_displacement_m: np.ndarray
+    across_m: np.ndarray
+    top_across_m: np.ndarray
+    base_acceleration_m_s2: np.ndarray
+    failed_ties: np.ndarray
+    out_of_plane: np.ndarray
+
+    def of(self, number, body, joint):
+        """Those of a wall, by flags of its bodies and contact points."""
+        return HouseRows(
+            0 * self.body_wall[body],
+            0 * self.joint_wall[joint],
+            self.joint_y_m[joint],
+            self.body_y_m[body],
+            self.body_depth_m[body],
+            self.top_displacement_m[:, [number]],
+            self.across_m[:, [number]],
+            self.top_across_m[:, [number]],
+            self.base_acceleration_m_s2,
+            self.failed_ties,
+            self.out_of_plane[:, body],
+        )
+
+
+def wall_of(history, name):
+    """`History.of_wall`."""
+    walls = history.parameters["house"]["walls"] if history.house else []
+    names = [one["wall"]["name"] for one in walls] if history.is_house else FACES[: 2 * len(walls)]
+    if name not in names:
+        raise InputError(
+            f"{history.path} has no wall or face {name}: expected"
+            f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
+            " correct it"
+        )
+    if not history.is_house:
+        return face_of(history, name)
+    number = names.index(name)
+    return _of_wall(_with_slabs_in(history, number), name, number)
+
+
+def _of_wall(history, name, number):
+    walls, house = history.parameters["house"]["walls"], history.house
+    wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
+    outside = int(history.placing.sign_of("outside")[number])
+    body, joint = house.body_wall == number, house.joint_wall == number
+    new_body = np.cumsum(body) - 1
+    part = _with_joints(history, joint)
+    joints = part.joints.assign(x_m=part.joints["x_m"] - left)
+    for end in ("first_body", "second_body"):
+        joints[end] = np.where(joints[end] < 0, joints[end], new_body[joints[end]])
+    top = house.top_displacement_m[:, number]
+    supports, moved, below = _ground_of(history, number)
+    first, own = joints["first_body"], -np.cumsum(below)  # -1 is the first
+    joints["first_body"] = np.where(first < 0, own[np.maximum(-1 - first, 0)], first)
+    return replace(
+        part,
+        supports=supports,
+        support_displacement=moved,
+        support_force=history.support_force[:, below],
+        path=history.path.with_name(f"{history.path.stem}:{name}{history.path.suffix}"),
+        wall=name,
+        parameters=history.parameters
+        | {
+            "wall": wall,
+            "house": history.parameters["house"]
+            | {"walls": [walls[number] | {"outside": outside, "left_m": 0.0}]},
+        },
+        attributes=part.attributes
+        | {"wall": name, "drift_height_m": height, "length_m": wall["length"]},
+        joints=joints,
+        bodies=history.bodies[body].assign(x_m=history.bodies["x_m"] - left).reset_index(drop=True),
+        series=history.series.assign(top_displacement_m=top, drift_ratio=top / height),
+        displacement=history.displacement[:, body],
+        house=house.of(number, body, joint),
+    )
+
+
+def _ground_of(history, number):
+    """Supports of a wall of a house, their displacement in its plane (n_times, n, 3) [m, m,
+    rad], and which of those of the house they are."""
+    if len(history.supports) == 1:
+        return history.supports, history.support_displacement, np.array([True])
+    placing, turn = history.placing, np.radians(history.parameters["house"]["heading"])
+    left, length = placing.left[number], placing.length[number]
+    at = history.supports[["left_m", "right_m"]].mean(axis=1)
+    own = ((at > left) & (at < left + length)).to_numpy()
+    facing = placing.axes[number, 0] @ [np.cos(turn), np.sin(turn), 0.0]
+    moved = history.support_displacement[:, own] * [facing, 1.0, facing]
+    return (history.supports[own] - left).reset_index(drop=True), moved, own
+
+
+def face_of(history, face):
+    """`History.of_face`."""
+    (wall,) = history.parameters["house"]["walls"]
+    sign = wall.get("outside", 1) * (1 if face == "outside" else -1)
+    part = _with_joints(history, (np.sign(history.joints["y_m"]) == sign).to_numpy())
+    joints = in_one_layer(part.joints)
+    total = {"total_joint_length_m": float(joints["length_m"].sum())}
+    return replace(
+        part,
+        path=history.path.with_name(f"{history.path.stem}:{face}{history.path.suffix}"),
+        joints=joints,
+        attributes=history.attributes | total,
+        house=None,
+    )
+
+
+def _with_joints(history, kept):
+    """The History with these joints alone, (n_joints,) bool."""
+    joints, events = history.joints[kept].reset_index(drop=True), history.events
+    events = events[kept[events["joint"]]].reset_index(drop=True)
+    new, active = np.cumsum(kept) - 1, kept[history.contacts.joints]
+    contacts = Contacts(*(values[..., active] for values in history.contacts))
+    stress = history.joint_stress_pa
+    return replace(
+        history,
+        joints=joints,
+        events=events.assign(joint=new[events["joint"]]),
+        contacts=contacts._replace(joints=new[contacts.joints]),
+        joint_stress_pa=None if stress is None else stress[:, kept],
+        attributes=history.attributes | {"total_joint_length_m": float(joints["length_m"].sum())},
+    )
+
+
+def _with_slabs_in(history, number):
+    """The History of a house with the concrete floors that this wall carries as bodies of it: in
+    the middle of its length, moved as the floor is there for small rotations."""
+    house, placing = history.house, history.placing
+    ends = history.joints[["first_body", "second_body"]].to_numpy()
+    of_joint = np.repeat(house.joint_wall[:, None], 2, axis=1)
+    other = (ends >= 0) & (of_joint >= 0) & (house.body_wall[ends] != of_joint)
+    slabs = np.intersect1d(ends[other], ends[of_joint == number])
+    if len(slabs) == 0:
+        return history
+    bodies, body_wall = history.bodies.copy(), house.body_wall.copy()
+    moved, across = history.displacement.copy(), house.out_of_plane.copy()
+    middle = placing.left[number] + placing.length[number] / 2
+    for slab in slabs:
+        own = [house.body_wall[slab]]
+        centre = np.array([[[bodies["x_m"][slab], house.body_y_m[slab], 0.0]]])
+        arm = placing.in_house([number], np.array([[[middle, 0.0, 0.0]]]))
+        arm = (arm - placing.in_house(own, centre))[0]
+        along, up, turned = moved[:, slab].T
+        aside, about_x, about_z = across[:, slab].T
+        shift, turns = (
+            placing.turned(own, np.column_stack(one)[np.newaxis])[0]
+            for one in ((along, aside, up), (about_x, -turned, about_z))
+        )
+        to_wall = placing.axes[number].T
+        shift, turns = (shift + np.cross(turns, arm)) @ to_wall, turns @ to_wall
+        moved[:, slab] = np.column_stack([shift[:, 0], shift[:, 2], -turns[:, 1]])
+        across[:, slab] = np.column_stack([shift[:, 1], turns[:, 0], turns[:, 2]])
+    body_wall[slabs] = number
+    bodies.loc[slabs, "x_m"], bodies.loc[slabs, "length_m"] = middle, placing.length[number]
+    return replace(
+        history,
+        bodies=bodies,
+        displacement=moved,
+        house=house._replace(body_wall=body_wall, out_of_plane=across),
+    )
