@@ -12,13 +12,13 @@ answers from all other draws: the claim's own draw is left out.  --asked-of: fro
 another wall, whose joints the cracks are laid on; --surveyors: each claim so often, with other
 errors of its survey.
 
-Prints four tables. Claims, why there is no answer, and answers that are wrong, also where only the
-number of draws forbids one; on stderr the share of wrong ones with its upper bound (95 %, exact
-binomial, as if claims were independent). Cracks of the claims, and the answers on each, of which
-the truth is its paired run without that cause. For each prior of settlement the share of claims,
-weighted by that prior, whose true widths lie in the 90 % intervals. What the sheet states as "not
-without the earthquakes" beside what was so, by a prior of 0.5, and the share of draws that resemble
-a survey, from which follows how many are needed.
+Prints four tables. Claims, why there is no answer, and answers that are wrong, also of those with
+50 draws or more like the survey; on stderr the share of wrong ones with its upper bound (95 %,
+exact binomial, as if claims were independent). Cracks of the claims, and the answers on each, of
+which the truth is its paired run without that cause. For each prior of settlement the share of
+claims, weighted by that prior, whose true widths lie in the 90 % intervals. What the sheet states
+as "not without the earthquakes" beside what was so, by a prior of 0.5, and the share of draws that
+resemble a survey, from which follows how many are needed.
 """
 
 import sys
@@ -51,6 +51,8 @@ from paper.bench import arguments, option, print_row, print_table
 
 LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
 BINS = 0, 0.25, 0.5, 0.75, 0.9, 1
+MANY = 50
+"""Draws like a survey that answers needed before."""
 CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
 """{kind of claim: state of the twins that is surveyed}."""
 TWIN = {
@@ -69,10 +71,10 @@ class Library:
         units = dict(study.runs[0].options).get("units", (1, 1))
         self.wall = layout_of(study.runs[0].wall, units)
         self.twins = read_twins(folder, self.wall)
-        ground = self.twins.settlement.drop_duplicates()
+        ground = self.twins.settlement
         self.name = Path(study.runs[0].wall).stem + (
             f", {ground['profile'].iloc[0]} 1/{1 / ground['distortion'].iloc[0]:.0f}"
-            if len(ground) == 1
+            if self.twins.ground_is_known
             else ""
         )
         undamaged = crack_table(
@@ -304,8 +306,9 @@ def print_rows(rows, title):
             int(mine["reasons"].str.contains(why).sum())
             for why in ("refused", "draws", "strange", "small")
         ]
-        for reasons in ([""], ["", "draws"]):
-            these = mine[mine["reasons"].isin(reasons)]
+        answered = mine[mine["reasons"] == ""]
+        many = answered[answered["draws"] >= MANY] if len(answered) else answered
+        for these in (answered, many):
             names = [name for name in BUT_FOR if f"said_{name}" in these]
             counts += [
                 sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
@@ -313,9 +316,7 @@ def print_rows(rows, title):
             ]
         print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
         totals += counts[-4:]
-    for rule, (said, wrong) in zip(
-        ("", f" below {LEAST_DRAWS} draws, too"), totals.reshape(2, 2).tolist()
-    ):
+    for rule, (said, wrong) in zip(("", f" from {MANY} draws"), totals.reshape(2, 2).tolist()):
         if said:
             bound = binomtest(wrong, said, alternative="less").proportion_ci(0.95).high
             print(
@@ -342,7 +343,7 @@ def main():
     ]
     if asked.rows:
         pd.concat(tables).to_csv(asked.rows, index=False)
-    below = f"answers below {LEAST_DRAWS} draws, too"
+    many = f"answers from {MANY} draws"
     print_table(
         "wall",
         "claim",
@@ -354,8 +355,8 @@ def main():
         "small",
         "answers",
         "wrong",
-        below,
-        f"wrong ({below})",
+        many,
+        f"wrong ({many})",
     )
     for one, rows in zip(libraries, tables):
         asked_of = f" asked of {other.name}" if other else ""

@@ -85,6 +85,11 @@ class Twins:
     def __len__(self):
         return len(self.numbers)
 
+    @property
+    def ground_is_known(self):
+        """Whether all draws have the same settlement."""
+        return len(self.settlement.drop_duplicates()) == 1
+
     @cached_property
     def width_m(self):
         """{of STATES: width of the widest crack (n,) [m]}, infinite of a wall that fell."""
