@@ -169,8 +169,8 @@ FAULTS = [
                 "step",
                 "a joint that ends loses all its energy to friction",
                 "damage/mechanics/contacts.py",
-                "add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))",
-                "add(n, energy, 0, FRICTION, tau * (tau / contact.ks + slid))",
+                "add(n, energy, 0, FRICTION, 0.5 * tau * (tau / ks + slid))",
+                "add(n, energy, 0, FRICTION, tau * (tau / ks + slid))",
                 "test_ends",
             ),
             (
@@ -361,8 +361,8 @@ FAULTS = [
                 "split",
                 "tension along a brick keeps it from splitting",
                 "damage/mechanics/contacts.py",
-                "diagonal_tension(cuts.strength[k], sigma)",
-                "diagonal_tension(cuts.strength[k], -sigma)",
+                "diagonal_tension(cuts.strength[n.lane], sigma)",
+                "diagonal_tension(cuts.strength[n.lane], -sigma)",
                 "test_cells test_crushing",
             ),
             (

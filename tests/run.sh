@@ -3,7 +3,7 @@
 #
 #     bash tests/run.sh
 #     bash tests/run.sh -m "not slow and not long"
-#     bash tests/run.sh -m long                       # the longer checks that CONTRIBUTING.md lists
+#     bash tests/run.sh -m long                       # the longer checks, minutes each
 #     bash tests/run.sh tests/applications/studies/test_study.py -k quick
 #     bash tests/run.sh -p tests.processor_time       # also prints processor time by test, file and folder
 #

@@ -110,7 +110,7 @@ class Bundles:
         dry.phys.kn += float(area * self._normal[joint])
         dry.phys.ks += float(area * self._shear[joint])
         dry.phys.shearForce += self.model.force_on(joint, dry.geom, 0.0, area * stress)
-        self.model.work.renew(dry)
+        self.model.work.renew(joint, dry)
 
 
 def push(bond, force):

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from yade import O, Vector3
+from yade import O, Vector3, utils
 
 from damage.errors import InputError
 
@@ -89,6 +89,7 @@ def tables_of(solver):
         ),
         "bonds": _pairs((bond.id1, bond.id2) for bond in model.bonds),
         "removed": _removed(solver),
+        "gone": np.array(sorted(model.gone), int),
         "slid": np.array(work._law.plasticDissipation()),
         "watched": watched,
         "watching": watching,
@@ -209,18 +210,23 @@ def _put_forces(loads, forces):
 
 
 def _removed(solver):
-    """Of each contact point whose interaction is removed: its number, depth [m], stiffnesses [N/m],
-    normal and shear force [N], (n, 10)."""
+    """Of each contact point whose interaction is removed, which YADE would make again where its
+    members touch: its number, depth [m], stiffnesses [N/m], coefficient of friction, normal and
+    shear force [N], (n, 11)."""
     scene = solver.scene
     return np.array(
         [
-            (k, geom.penetrationDepth, phys.kn, phys.ks, *phys.normalForce, *phys.shearForce)
+            (
+                *(k, geom.penetrationDepth, phys.kn, phys.ks),
+                getattr(phys, "tangensOfFrictionAngle", 0.0),  # none of a tie
+                *(*phys.normalForce, *phys.shearForce),
+            )
             for k, (bond, geom, phys) in enumerate(
                 zip(solver.model.bonds, scene.geometries, scene.physics)
             )
             if not _is_there(bond)
         ]
-    ).reshape(-1, 10)
+    ).reshape(-1, 11)
 
 
 def _is_there(bond):
@@ -229,26 +235,26 @@ def _is_there(bond):
 
 def _bind(solver, tables):
     """Have a solver read the bodies and interactions of the scene that was loaded."""
-    model, scene, work, removed = solver.model, solver.scene, solver.model.work, {}
-    for number, depth, kn, ks, *forces in tables["removed"].tolist():
-        removed[int(number)] = (
-            SimpleNamespace(penetrationDepth=depth, shearInc=Vector3.Zero),
-            SimpleNamespace(
-                kn=kn,
-                ks=ks,
-                normalForce=Vector3(forces[:3]),
-                shearForce=Vector3(forces[3:]),
-                isCohesive=False,
-            ),
-        )
+    model, scene, work = solver.model, solver.scene, solver.model.work
     for number, (first, second) in enumerate(tables["bonds"].tolist()):
-        geom, phys = removed.get(number, (None, None))
-        model.bonds[number] = (
-            O.interactions[first, second]
-            if geom is None
-            else SimpleNamespace(id1=first, id2=second, isReal=False, geom=geom, phys=phys)
+        if O.interactions.has(first, second):
+            bond = O.interactions[first, second]
+            scene.geometries[number], scene.physics[number] = bond.geom, bond.phys
+        else:
+            bond = utils.createInteraction(first, second, virtualI=True)
+        model.bonds[number] = bond
+    for number, depth, kn, ks, friction, *forces in tables["removed"].tolist():
+        slid, normal, shear = Vector3.Zero, Vector3(forces[:3]), Vector3(forces[3:])
+        scene.geometries[int(number)] = SimpleNamespace(penetrationDepth=depth, shearInc=slid)
+        scene.physics[int(number)] = SimpleNamespace(
+            kn=kn,
+            ks=ks,
+            tangensOfFrictionAngle=friction,
+            normalForce=normal,
+            shearForce=shear,
+            isCohesive=False,
         )
-    model.gone = set(removed)
+    model.gone = set(tables["gone"].tolist())
     for members, number in zip(model.members, range(len(model.members))):
         members[:] = tables["members"][tables["members"][:, 0] == number, 1].tolist()
     model.corners.clear()
@@ -262,9 +268,10 @@ def _bind(solver, tables):
         O.bodies[model.faces[body, "box"]].state for body in range(len(model.clumps))
     ]
     scene.states[:] = [O.bodies[clump].state for clump in model.clumps]
-    scene.geometries[:], scene.physics[:] = zip(*((bond.geom, bond.phys) for bond in model.bonds))
+    contacts = dict(enumerate(zip(scene.geometries, scene.physics)))
+    contacts |= {joint: (dry.geom, dry.phys) for joint, dry in model.frayed.items()}
     work.watch_again(
-        {(bond.id1, bond.id2): bond for bond in (*model.bonds, *model.frayed.values())},
+        contacts,
         tables["watched"].tolist(),
         tables["watching"].tolist(),
         float(tables["slid"]),

@@ -53,6 +53,16 @@ def check_law(joint):
             )
 
 
+def frictions(layout, broken):
+    """Coefficients of friction of all contact points (n_contacts,) [-], intact or broken; between
+    two walls of a house the lesser."""
+    walls = [one.wall for one in layout.space.house.walls] if layout.space else [layout.wall]
+    values = np.array([friction_left(broken, material_of(one.joint)) for one in walls])
+    if layout.space:
+        return layout.space.lesser(layout.contacts, values)
+    return np.full(len(layout.contacts), values[0])
+
+
 def signed(shear):
     """Shear as a number: of a complex one its size, with the sign of its part in the plane."""
     return np.copysign(np.abs(shear), np.real(shear)) if np.iscomplexobj(shear) else shear
@@ -70,7 +80,7 @@ class JointTracker:
 
     def __init__(self, layout, threshold, new_contacts=False):
         n, contacts = layout.n_joints, layout.contacts
-        self.friction = np.full(n, friction_left(True, material_of(layout.wall.joint)))
+        self.friction = frictions(layout, True)[:n]
         self.area = contacts.area[:n]
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]

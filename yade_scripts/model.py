@@ -35,6 +35,7 @@ from damage.units import GRAVITY
 from damage.wall.kinds import CUT, GROUND, rows
 from damage.wall.kinematics import places_of
 from yade_scripts.friction_work import FrictionWork
+from yade_scripts.joint_tracker import frictions
 
 UNBREAKABLE = 1e300  # [N], strength of joints that stay elastic
 # [N], of joints without tensile strength: YADE's law takes zero for one that it need not check
@@ -148,6 +149,7 @@ class YadeWall:
         contact.phys.shearForce = shear
         self._put(joint, contact)
         self.work.add(
+            joint,
             contact,
             self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0),
         )
@@ -192,9 +194,9 @@ class YadeWall:
     def end(self, joint):
         """Remove the contact of a joint whose faces no longer overlap; its elastic energy
         dissipates."""
-        contact, phys = self.bonds[joint], self.physics[joint]
+        phys = self.physics[joint]
         depth = max(self.geometries[joint].penetrationDepth, 0.0)
-        self.work.end(contact, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
+        self.work.end(joint, (phys.kn * depth**2 + phys.shearForce.squaredNorm() / phys.ks) / 2)
         self.remove(joint)
 
     def remove(self, joint):
@@ -223,7 +225,7 @@ class YadeWall:
         """Replace a tip that crushing has made too small by one farther inside its brick."""
         old = self.contacts_of(joint)[-1]
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
-        self.work.forget(old)
+        self.work.forget(joint)
         worn = self._tip_of[joint]
         force, torque, there = (
             O.forces.f(worn, True),
@@ -241,7 +243,7 @@ class YadeWall:
         O.forces.addF(point, force)
         O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
         contact.phys.shearForce = shear
-        self.work.renew(contact)
+        self.work.renew(joint, contact)
 
     def _touch(self, joint, normal_stiffness, shear_stiffness):
         """Create the tip of a joint, moved by its plastic closure, and return its contact with the
@@ -323,16 +325,15 @@ class YadeWall:
 
     def regain(self):
         """Give YADE's contact of a tip that was out of reach and touches its face again the
-        stiffnesses and friction of the one before; returns the joints."""
+        stiffnesses and friction of the one before."""
         found = [joint for joint in self.gone if self.bonds[joint].isReal]
         for joint in found:
             contact, old = self.bonds[joint], self.physics[joint]
             contact.phys.kn, contact.phys.ks = old.kn, old.ks
             contact.phys.tangensOfFrictionAngle = old.tangensOfFrictionAngle
             self._put(joint, contact)
-            self.work.renew(contact)
+            self.work.renew(joint, contact)
         self.gone.difference_update(found)
-        return found
 
     def collisions(self):
         """YADE's interactions between loose bricks, also those that only begin or are over."""
@@ -468,15 +469,15 @@ def build(layout, dt, corner_depth=0.0):
     if layout.space:
         parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
-    for index, bond in enumerate(bonds):
-        _set_bond(bond.phys, layout, index)
+    for index, (bond, slope) in enumerate(zip(bonds, frictions(layout, False).tolist())):
+        _set_bond(bond.phys, layout, index, slope)
     bonding.cohesiveTresholdIteration = 0
     work = FrictionWork(friction, layout.n_joints)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 
-def _set_bond(phys, layout, index):
-    """Set area, stiffness and strength of a JCFpm bond to those of its contact point."""
+def _set_bond(phys, layout, index, friction):
+    """Set area, stiffness, strength and friction of a JCFpm bond to those of its contact point."""
     contacts = layout.contacts
     area = float(contacts.area[index])
     phys.isCohesive = True
@@ -489,7 +490,7 @@ def _set_bond(phys, layout, index):
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
     if contacts.kind[index] == CUT or index >= layout.n_joints:
         phys.FnMax = phys.FsMax = UNBREAKABLE  # they fail by `splitting` and `ties`, or not at all
-    phys.tanFrictionAngle = friction_left(False, material_of(layout.wall.joint))
+    phys.tanFrictionAngle = friction
 
 
 def _set_clump(state, mass, inertia, held):

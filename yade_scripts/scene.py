@@ -159,9 +159,6 @@ class SceneReader:
         rest = self.physics[index].initD if self.model.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
-    def read_anew(self, joints):
-        """Take note of joints that have another contact."""
-
     def openings(self, select):
         """`opening_of` contact points that failed, (m,) [m]."""
         return np.array([self.opening_of(index) for index in select])

@@ -367,7 +367,7 @@ class YadeSolver(Solver):
         broken = self.tracker.followed
         if len(broken) == 0:
             return
-        self.scene.read_anew(self.model.regain())
+        self.model.regain()
         across, shear = self._displacements(broken)
         opening = self.scene.openings(broken)
         apart = across + self.model.closure[broken]

@@ -8,7 +8,6 @@ from yade import O, Vector3
 
 from damage.units import GRAVITY
 from damage.wall.kinds import rows
-from yade_scripts.memory import BodyNumbers, ContactNumbers
 from yade_scripts.scene import SceneReader
 
 
@@ -32,11 +31,8 @@ class SpaceReader(SceneReader):
         # the numbers of points last, which numpy takes at once
         self._arms = [(space.place - centres[end]).T for end in self._ends]
         self._axes = np.ascontiguousarray(space.axes.transpose(1, 2, 0))
-        self._bodies = BodyNumbers(model.turning)
         # about the axes of a body: along, across and upwards
         self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
-        # of dry joints, which stay in their rows
-        self._numbers, self._read = ContactNumbers(len(contacts)), np.zeros(len(contacts), bool)
 
     def turned_by_heading(self, along, up, across):
         """Along x, z and y of the house what is along its heading, upwards and across."""
@@ -65,8 +61,13 @@ class SpaceReader(SceneReader):
 
     def _now(self):
         """Centres (n_bodies, 3) [m] and rotations of all bodies since the wall was built."""
-        places = self._bodies.places()
-        return places[:, :3], Rotation.from_quat(places[:, 3:]) * self._first
+        now = np.array(
+            [
+                (p[0], p[1], p[2], q[0], q[1], q[2], q[3])
+                for p, q in ((state.pos, state.ori) for state in self.model.turning)
+            ]
+        )
+        return now[:, :3], Rotation.from_quat(now[:, 3:]) * self._first
 
     def motion(self, select=None):
         """Coordinates of all bodies since the wall was built, (n_bodies, 6) [m, m, rad, m, rad,
@@ -99,18 +100,13 @@ class SpaceReader(SceneReader):
         across, along, through = _product(self._axes[:, :, joints], apart)
         return across, along + 1j * through
 
-    def read_anew(self, joints):
-        self._read[joints] = False
-
     def openings(self, select):
-        for joint in select[~self._read[select]]:
-            self._numbers.put(joint, self.geometries[joint], self.physics[joint])
-        self._read[select] = True
-        return -self._numbers.depths(select)
+        return -self.model.work.numbers.read(select)[0]
 
     def shear_stresses(self, select):
-        """As of SceneReader, complex, of contact points whose `openings` were asked for."""
-        _, along, through = _product(self._axes[:, :, select], self._numbers.forces(select))
+        """As of SceneReader, complex."""
+        force = self.model.work.numbers.read(select)[2]
+        _, along, through = _product(self._axes[:, :, select], force)
         return -self.model.signs[select] * (along + 1j * through) / self.area[select]
 
     def force_of(self, joint):

@@ -2,7 +2,15 @@
 
 import numpy as np
 
-from damage.law.joint_law import ContactState, LawParameters, elastic_range, range_left
+from damage.law.joint_law import (
+    ContactState,
+    LawParameters,
+    Material,
+    elastic_range,
+    material_of,
+    range_left,
+)
+from damage.mechanics.interfaces import Springs
 from damage.mechanics.tables import (
     CONTACT,
     HAS_FAILED,
@@ -30,8 +38,8 @@ CAPACITY = 100_000
 """Largest number of events between two calls that empty the log."""
 
 
-def build(layout, material):
-    """The Tables of a damage.wall.layout.Layout with a damage.law.joint_law.Material.
+def build(layout):
+    """The Tables of a damage.wall.layout.Layout.
 
     Its contacts are the contact points of the layout or, if it has them, their parallel elements.
     Its bodies are those of the layout, then the supports.
@@ -51,22 +59,12 @@ def build(layout, material):
         CAPACITY,
     )
     system = system_of(tables, 0)
+    system.material[:] = material_of(layout.wall.joint)
     _set_strengths(system.strengths, layout, row, share)
-    intact = range_left(
-        ContactState(),
-        LawParameters(
-            contacts["kn"],
-            contacts["ks"],
-            system.strengths["tensile_strength"],
-            system.strengths["cohesion"],
-            material,
-            compressive_strength=system.strengths["compressive_strength"],
-        ),
-    )
-    for name, of in intact._asdict().items():
+    for name, of in range_left(ContactState(), law_of(system))._asdict().items():
         system.states[f"elastic_{name}"] = of
     system.states["idle"] = -1.0
-    sum_springs(system, material, layout.strain)
+    sum_springs(system, layout.strain)
     system.radiation[: len(radiation)] = radiation
     system.mass[:n_bodies, :RIGID] = layout.bodies.mass[:, None]
     system.mass[:n_bodies, ROTATION] = layout.bodies.inertia
@@ -121,7 +119,7 @@ def cut_tables(layout, interfaces):
         np.cumsum([0, *map(len, contact)]),
         every,
         0.25 * np.broadcast_to(share, len(row))[every],
-        np.full(len(cuts), layout.wall.brick.tensile_strength or 0.0),
+        np.array([layout.wall.brick.tensile_strength or 0.0]),
     )
 
 
@@ -146,8 +144,6 @@ def _contacts(layout, row, share, middle):
         offset=np.where(
             contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0]
         ),
-        kn=contacts.normal_stiffness[row] * area,
-        ks=contacts.shear_stiffness[row] * area,
     )
 
 
@@ -161,6 +157,8 @@ def _set_strengths(strengths, layout, row, share):
         np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(0.0 if none else energy))[row]
         for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     )
+    strengths["normal_stiffness"] = contacts.normal_stiffness[row]
+    strengths["shear_stiffness"] = contacts.shear_stiffness[row]
     for name, values in (
         ("tensile_strength", bonds.tensile_strength),
         ("cohesion", bonds.cohesion),
@@ -209,36 +207,36 @@ def _interfaces(layout, row):
     return interfaces, [np.repeat(values, stop - start) for values in middle]
 
 
-def sum_springs(system, material, strain=None):
+def law_of(system):
+    """LawParameters of all contact points, without fracture energies."""
+    of, area = system.strengths, system.contacts["area"]
+    return LawParameters(
+        of["normal_stiffness"] * area,
+        of["shear_stiffness"] * area,
+        of["tensile_strength"],
+        of["cohesion"],
+        Material(*system.material),
+        compressive_strength=of["compressive_strength"],
+    )
+
+
+def sum_springs(system, strain=None):
     """Write the resultant springs of intact interfaces into the tables, and the limits up to which
     these hold.
 
     strain: of the layout, None where bricks are rigid; between deformable bricks contact points are
     evaluated one by one.
     """
-    interfaces, contacts, strengths, limits = (
-        system.interfaces,
-        system.contacts,
-        system.strengths,
-        system.limits,
-    )
-    start = interfaces["start"]
-    kn, ks, offset = contacts["kn"], contacts["ks"], contacts["offset"]
-    for name, values in (
-        ("kn", kn),
-        ("ks", ks),
-        ("kn_offset", kn * offset),
-        ("kn_offset2", kn * offset**2),
-    ):
-        interfaces[name] = np.add.reduceat(values, start)
-    interfaces["reach"] = np.maximum.reduceat(np.abs(offset), start)
+    start, offset, limits = system.interfaces["start"], system.contacts["offset"], system.limits
+    of = law_of(system)
+    kn, ks = of.normal_stiffness, of.shear_stiffness
     with np.errstate(divide="ignore", invalid="ignore"):
-        opening, slide, ratio = elastic_range(
-            LawParameters(kn, ks, strengths["tensile_strength"], strengths["cohesion"], material)
-        )
+        opening, slide, ratio = elastic_range(of)
         limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)
         limits[:, LARGEST_SLIDE] = np.minimum.reduceat(slide, start)
-    interfaces["slide_loss"] = ratio[start]
+    sums = (np.add.reduceat(one, start) for one in (kn, ks, kn * offset, kn * offset**2))
+    reach = np.maximum.reduceat(np.abs(offset), start)
+    system.springs[:] = np.column_stack(Springs(*sums, reach, ratio[start]))
     # The limit at the outermost contact point bounds all others only where they have the same ratio
     # of stiffness and friction; elsewhere a limit of -inf has every contact point evaluated by
     # itself.
@@ -247,7 +245,7 @@ def sum_springs(system, material, strain=None):
     )
     # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by
     # themselves, too.
-    alike &= (strengths["compressive_strength"] == np.inf) & (strain is None)
+    alike &= (of.compressive_strength == np.inf) & (strain is None)
     limits[
         ~np.logical_and.reduceat(alike, start) | (limits[:, HAS_FAILED] > 0), LARGEST_OPENING
     ] = -np.inf

@@ -29,11 +29,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.law.joint_law import TENSION
+from damage.law.joint_law import TENSION, Material
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
-from damage.mechanics.rows import inverse_mass_of, place_of, push_body, strengths_of, velocity_of
+from damage.mechanics.rows import (
+    inverse_mass_of,
+    place_of,
+    push_body,
+    springs_of,
+    strengths_of,
+    velocity_of,
+)
 from damage.mechanics.simd import add, argument, flags_of, load, store, zero
 from damage.mechanics.tables import (
     COS1,
@@ -126,7 +133,7 @@ def stiffness_for(mass, time_step):
     return mass * (rate * rate)
 
 
-def build_loose(layout, system, time_step, material):
+def build_loose(layout, system, time_step):
     """The Loose contacts of a layout and of the System of its Tables.
 
     The joints of this System on supports end, too, from now on: where a brick has slid by its
@@ -134,9 +141,10 @@ def build_loose(layout, system, time_step, material):
     supports.
     """
     bodies, supports = layout.bodies, layout.supports
+    friction = Material(*map(float, system.material)).friction
     radius = CORNER_RADIUS * layout.wall.brick.length
     kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
-    touch = Touch(radius, kn, 0.4 * kn, material.friction, material.friction, IMPACT_DAMPING)
+    touch = Touch(radius, kn, 0.4 * kn, friction, friction, IMPACT_DAMPING)
     edges = np.concatenate(
         [
             [supports.left[0] - GROUND_M],
@@ -585,10 +593,8 @@ def ends_too(n, tables, loose, p, step, motion):
     if loose is None:
         return False
     interface, failed = tables.interfaces[p], load(n, tables.limits, p, HAS_FAILED)
-    if (
-        failed == FAILED
-        and motion.opening - interface.reach * abs(motion.rotation) > 2.0 * loose.touch.radius
-    ):
+    least = motion.opening - springs_of(n, tables, p).reach * abs(motion.rotation)
+    if failed == FAILED and least > 2.0 * loose.touch.radius:
         return True
     if failed < ENDING and is_turned(motion) and corner_inside(n, tables, loose, interface):
         return break_bonds(n, tables, interface, step, motion)

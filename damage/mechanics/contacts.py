@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.elementary import exp
 from damage.law import joint_law
 from damage.law.joint_law import INTACT, LawParameters
 from damage.mechanics import rows
@@ -82,13 +81,14 @@ class Points(NamedTuple):
 @inlined
 def elastic_trial(n, tables, i, motion):
     """Trial of contact point i at a RelativeMotion of its interface."""
-    contact, states = tables.contacts[i], tables.states
-    opening = motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)
-    stiffness = either(opening > 0.0, load(n, states, i, TENSION_STIFFNESS), contact.kn)
+    offset, states = tables.contacts[i].offset, tables.states
+    kn, ks = rows.stiffness_of(n, tables, i)
+    opening = motion.opening + offset * motion.rotation + load(n, states, i, CLOSURE)
+    stiffness = either(opening > 0.0, load(n, states, i, TENSION_STIFFNESS), kn)
     return Trial(
         opening,
         stiffness * opening,
-        load(n, states, i, SHEAR_STRESS) + contact.ks * (motion.shear - load(n, states, i, SHEAR0)),
+        load(n, states, i, SHEAR_STRESS) + ks * (motion.shear - load(n, states, i, SHEAR0)),
     )
 
 
@@ -149,14 +149,14 @@ def elastic_resultant(n, tables, points, motion, which):
 @inlined
 def intact_resultant(n, tables, i, motion, which):
     """`elastic_resultant` of contact point i that is an intact spring in all walls."""
-    contact = tables.contacts[i]
+    offset, (kn, ks) = tables.contacts[i].offset, rows.stiffness_of(n, tables, i)
     # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
-    sigma = contact.kn * (motion.opening + contact.offset * motion.rotation + 0.0)
-    tau, left = contact.ks * motion.shear + 0.0, rows.range_now(n, tables.states, i)
+    sigma = kn * (motion.opening + offset * motion.rotation + 0.0)
+    tau, left = ks * motion.shear + 0.0, rows.range_now(n, tables.states, i)
     elastic = joint_law.stays_elastic(
         sigma, tau, left.tensile_strength, left.cohesion, left.friction
     )
-    return Resultant(sigma, tau, sigma * contact.offset), elastic & which
+    return Resultant(sigma, tau, sigma * offset), elastic & which
 
 
 @inlined
@@ -185,18 +185,19 @@ def remember(n, tables, points, motion, which):
             )
         moves = which & ((load(n, states, i, IDLE) >= 0.0) | (load(n, states, i, KAPPA) > 0.0))
         if bits(moves):
-            more = tables.contacts[i].ks * (motion.shear - load(n, states, i, SHEAR0))
+            more = rows.stiffness_of(n, tables, i)[1] * (motion.shear - load(n, states, i, SHEAR0))
             store_where(n, states, i, SHEAR_STRESS, moves, load(n, states, i, SHEAR_STRESS) + more)
             store_where(n, states, i, SHEAR0, moves, motion.shear)
 
 
 @inlined
-def law_resultant(n, tables, law, points, step, motion, before, damped):
+def law_resultant(n, tables, threshold, points, step, motion, before, damped):
     """Resultant of Points by the joint law [N, N m].
 
     Returns the resultant; if damped, its change since the last step by the contact points that
-    stayed elastic; and whether a contact point has failed, softened or been crushed.  step: number
-    of the step in the log; motion, before: RelativeMotion now and in the last step.
+    stayed elastic; and whether a contact point has failed, softened or been crushed.  threshold: of
+    Model; step: number of the step in the log; motion, before: RelativeMotion now and in the last
+    step.
     """
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
     failed = False
@@ -207,11 +208,11 @@ def law_resultant(n, tables, law, points, step, motion, before, damped):
         last = trial
         if damped or intact:
             last = present_forces(n, tables, i, before)
-        new, event = ask_law(n, tables, law.material, i, trial, motion.shear)
+        new, event = ask_law(n, tables, i, trial, motion.shear)
         if intact:
             correct_fracture(n, tables, i, last, trial, new, event)
         if new.broken or new.kappa > 0.0 or new.closure > 0.0:
-            log(n, tables, law.threshold, i, step, trial, new, event)
+            log(n, tables, threshold, i, step, trial, new, event)
             failed = True
         if damped and event == INTACT and new.kappa == kappa:
             d_normal += new.normal_stress - last.sigma
@@ -224,26 +225,13 @@ def law_resultant(n, tables, law, points, step, motion, before, damped):
 
 
 @inlined
-def ask_law(n, tables, material, i, trial, shear):
+def ask_law(n, tables, i, trial, shear):
     """Evaluate the joint law of contact point i, and write its new state and works into the tables.
 
     trial: Trial; shear: shear displacement now [m].  Returns as `joint_law.advance`, with forces
-    [N]
-    and works [J].
+    [N] and works [J].
     """
-    contact, states, energy = tables.contacts[i], tables.states, tables.energy
-    of = rows.strengths_of(n, tables.strengths, i)
-    parameters = LawParameters(
-        contact.kn,
-        contact.ks,
-        of.tensile_strength,
-        of.cohesion,
-        material,
-        of.mode_i_energy,
-        of.mode_ii_energy,
-        of.compressive_strength,
-        of.crushing_energy,
-    )
+    states, energy, parameters = tables.states, tables.energy, parameters_of(n, tables, i)
     old = rows.law_state(n, states, i)
     opening = trial.opening - load(n, states, i, CLOSURE)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
@@ -256,6 +244,22 @@ def ask_law(n, tables, material, i, trial, shear):
     else:  # the shear force of an intact bond is measured from the undeformed wall
         store(n, states, i, SHEAR_STRESS, old.shear_stress)
     return new, event
+
+
+@inlined
+def parameters_of(n, tables, i):
+    """LawParameters of contact point i, times its area."""
+    of = rows.strengths_of(n, tables.strengths, i)
+    return LawParameters(
+        *rows.stiffness_of(n, tables, i),
+        of.tensile_strength,
+        of.cohesion,
+        rows.material_of(n, tables.material, 0),
+        of.mode_i_energy,
+        of.mode_ii_energy,
+        of.compressive_strength,
+        of.crushing_energy,
+    )
 
 
 @entry
@@ -274,15 +278,15 @@ def confine_one(n, tables, cuts, k):
     p, sigma = cuts.interface[k], 0.0
     for m in range(cuts.start[k], cuts.start[k + 1]):
         sigma += cuts.share[m] * rows.reading_of(n, tables.readings, cuts.contact[m]).sigma
-    strength = joint_law.diagonal_tension(cuts.strength[k], sigma)
+    strength = joint_law.diagonal_tension(cuts.strength[n.lane], sigma)
     for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
-        contact, states = tables.contacts[i], tables.states
-        cohesion = strength * contact.area
+        states, cohesion = tables.states, strength * tables.contacts[i].area
         store(n, tables.strengths, i, COHESION, cohesion)
         if load(n, states, i, BROKEN) == 0.0:
-            left = cohesion * exp(-load(n, states, i, KAPPA))
-            store(n, states, i, COHESION_LEFT, left)
-        store(n, tables.limits, p, LARGEST_SLIDE, cohesion / contact.ks)
+            parameters, kappa = parameters_of(n, tables, i), load(n, states, i, KAPPA)
+            store(n, states, i, COHESION_LEFT, joint_law.strength_left(False, parameters, kappa)[1])
+        slide = cohesion / rows.stiffness_of(n, tables, i)[1]
+        store(n, tables.limits, p, LARGEST_SLIDE, slide)
 
 
 @inlined
@@ -295,14 +299,14 @@ def correct_fracture(n, tables, i, last, trial, new, event):
     bond counts from no shear stress at all.  last, trial: Trial of the last step and now; new,
     event: as of `joint_law.advance`.
     """
-    contact, sigma, tau = tables.contacts[i], new.normal_stress, new.shear_stress
+    (kn, ks), sigma, tau = rows.stiffness_of(n, tables, i), new.normal_stress, new.shear_stress
     if event != INTACT:
-        work = (trial.sigma - sigma) * (trial.sigma - last.sigma) / contact.kn + (
-            trial.tau - tau
-        ) * (trial.tau - last.tau) / contact.ks
+        work = (trial.sigma - sigma) * (trial.sigma - last.sigma) / kn + (trial.tau - tau) * (
+            trial.tau - last.tau
+        ) / ks
         add(n, tables.energy, 0, FRACTURE, -0.5 * work)
     elif new.kappa > 0.0:
-        slid = (abs(trial.tau) - abs(tau)) / contact.ks
+        slid = (abs(trial.tau) - abs(tau)) / ks
         before = max(last.tau if trial.tau > 0.0 else -last.tau, 0.0)
         add(n, tables.energy, 0, FRACTURE, 0.5 * before * slid)
 
@@ -311,14 +315,15 @@ def correct_fracture(n, tables, i, last, trial, new, event):
 def log(n, tables, threshold, i, step, trial, new, event):
     """Log the failure of contact point i, and the first times that its opening and slip exceed the
     threshold [m]."""
-    contact, passed = tables.contacts[i], int(load(n, tables.states, i, PASSED))
-    opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, contact.kn)
+    area, passed = tables.contacts[i].area, int(load(n, tables.states, i, PASSED))
+    kn = rows.stiffness_of(n, tables, i)[0]
+    opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, kn)
     opens = opening > threshold and not passed & 1
     slips = abs(new.slip) > threshold and not passed & 2
     if event != INTACT or opens or slips:
         passed = passed + opens + 2 * slips
         store(n, tables.states, i, PASSED, float(passed))
-        values = trial.sigma / contact.area, trial.tau / contact.area, opening, new.slip
+        values = trial.sigma / area, trial.tau / area, opening, new.slip
         for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
             if happens:
                 log_event(tables, n.lane, step, i, kind, values)
@@ -359,7 +364,8 @@ def let_go(n, tables, i, motion):
         * sigma
         * (motion.opening + contact.offset * motion.rotation + load(n, states, i, CLOSURE)),
     )
-    add(n, energy, 0, FRICTION, 0.5 * tau * (tau / contact.ks + slid))
+    ks = rows.stiffness_of(n, tables, i)[1]
+    add(n, energy, 0, FRICTION, 0.5 * tau * (tau / ks + slid))
     store(n, states, i, NORMAL_STRESS, 0.0)
     store(n, states, i, SHEAR_STRESS, 0.0)
     rows.keep_reading(n, tables.readings, i, True, Reading(last.opening, last.shear, 0.0, 0.0))

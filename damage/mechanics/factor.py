@@ -26,19 +26,27 @@ def scaled_mass(layout, time_step, beta, held=()):
     return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held)))
 
 
+def matrix_of(masses, width):
+    """The Matrix of the ScaledMasses of walls that step together, with room for this width."""
+    matrix = masses[0].matrix
+    more = {"room": aligned_zeros(len(matrix.body), 2 * LOST, width)}
+    if len({mass.key for mass in masses}) > 1:
+        for name in ("lower", "diagonal", "inverse"):
+            more[name] = aligned_zeros(*getattr(matrix, name).shape, width)
+            for w, mass in enumerate(masses):
+                more[name][..., w] = getattr(mass.matrix, name)
+    return matrix._replace(**more)
+
+
 class ScaledMass:
     """Mass matrix of a wall with selective mass scaling; key: of all that it depends on; whole: of
-    all bodies, as damage.law.blocks.Blocks, in which prescribed velocities are coupled to no
-    other."""
+    all bodies, as damage.law.blocks.Blocks, in which prescribed velocities are coupled to no other;
+    matrix: its Matrix, without room."""
 
     def __init__(self, key, layout, time_step, beta, held):
         self.key, self.beta = key, beta
         self.whole = _scaled(layout, time_step, beta, held)
-        self._matrix = self._factor(len(layout.supports))
-
-    def matrix(self, width):
-        """The Matrix, with room for walls of this width."""
-        return self._matrix._replace(room=aligned_zeros(len(self._matrix.body), 2 * LOST, width))
+        self.matrix = self._factor(len(layout.supports))
 
     def _factor(self, supports):
         """The Matrix without room; nothing couples the supports, whose nodes are the last."""
@@ -55,9 +63,9 @@ class ScaledMass:
             count=np.tile(count, len(order)),
             start=start.astype(ROW),
             below=factor.below.astype(ROW),
-            lower=factor.lower,
-            diagonal=np.concatenate([factor.diagonal, MASSLESS * at_rest]),
-            inverse=np.concatenate([factor.inverse, at_rest / MASSLESS]),
+            lower=factor.lower.reshape(-1, 9),
+            diagonal=np.concatenate([factor.diagonal, MASSLESS * at_rest]).reshape(-1, 9),
+            inverse=np.concatenate([factor.inverse, at_rest / MASSLESS]).reshape(-1, 9),
             room=np.zeros((0, 0, 1)),
         )
 

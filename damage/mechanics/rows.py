@@ -1,6 +1,9 @@
 """Rows of the tables as records, by the names of their fields, and the coordinates of a body."""
 
-from damage.law.joint_law import ContactState, ElasticRange
+from numba import types
+from numba.extending import overload
+
+from damage.law.joint_law import ContactState, ElasticRange, Material
 from damage.mechanics.compiled import inlined
 from damage.mechanics.interfaces import (
     Dashpots,
@@ -36,6 +39,7 @@ from damage.mechanics.tables import (
     READINGS,
     RIGID,
     ROTATION,
+    SPRINGS,
     STRENGTHS,
     VELOCITY,
     Beam,
@@ -47,6 +51,7 @@ from damage.mechanics.tables import (
     Z,
 )
 
+NORMAL_STIFFNESS, SHEAR_STIFFNESS = map(STRENGTHS.index, ("normal_stiffness", "shear_stiffness"))
 law_state, keep_law_state = (
     reader(ContactState, CONTACT_FIELDS),
     writer(ContactState, CONTACT_FIELDS),
@@ -56,12 +61,14 @@ range_now, keep_range = (
     writer(ElasticRange, CONTACT_FIELDS, "elastic_"),
 )
 strengths_of = reader(Strengths, STRENGTHS)
+material_of = reader(Material, Material._fields)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
 bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
 bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
 beam_of, keep_beam = reader(Beam, Beam._fields), writer(Beam, Beam._fields)
 limits_of = reader(ElasticLimits, LIMITS)
-line_in, springs_in = reader(Line, LINES), reader(Springs, LINES)
+line_in, shared_in = reader(Line, LINES), reader(Springs, LINES)
+springs_in = reader(Springs, SPRINGS)
 last_motion, last_resultant = reader(RelativeMotion, LAST), reader(Resultant, LAST, "last_")
 keep_motion, keep_resultant = writer(RelativeMotion, LAST), writer(Resultant, LAST, "last_")
 dashpots_of, dashpots_last = reader(Dashpots, RADIATION), reader(Resultant, RADIATION, "last_")
@@ -76,8 +83,32 @@ def line_of(n, tables, p):
 
 @inlined
 def springs_of(n, tables, p):
-    """Springs of interface p, as `line_of`."""
-    return springs_in(in_blocks(n, p), tables.lines, p // PARTS)
+    """Springs of interface p, or of eight from there on."""
+    return springs_at(n, tables.lines, tables.unlike, p)
+
+
+def springs_at(n, lines, unlike, p):
+    """`springs_of`; lines, unlike: of Tables."""
+    if unlike is None:
+        return shared_in(in_blocks(n, p), lines, p // PARTS)
+    return springs_in(n, unlike, p)
+
+
+@overload(springs_at)
+def _springs_at(n, lines, unlike, p):
+    if unlike == types.none:
+        return lambda n, lines, unlike, p: shared_in(in_blocks(n, p), lines, p // PARTS)
+    return lambda n, lines, unlike, p: springs_in(n, unlike, p)
+
+
+@inlined
+def stiffness_of(n, tables, i):
+    """Normal and shear stiffness of contact point i [N/m]."""
+    area = tables.contacts[i].area
+    return (
+        load(n, tables.strengths, i, NORMAL_STIFFNESS) * area,
+        load(n, tables.strengths, i, SHEAR_STIFFNESS) * area,
+    )
 
 
 @inlined

@@ -21,6 +21,8 @@ from damage.mechanics.rows import (
     mass_of,
     place_of,
     reading_of,
+    stiffness_of,
+    strengths_of,
     velocity_of,
 )
 from damage.mechanics.scaling import scaled_kinetic_energy
@@ -35,15 +37,6 @@ deformable bricks and of loose contacts [J]; and length of the totals."""
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)
 FIELD_NAMES = "opening_m", "slip_m", "offset_m", "state"
 """Names of FIELDS: columns of FRAMES of the history."""
-
-
-@argument
-class Stiffness(NamedTuple):
-    """Area [m2], normal and shear stiffness [Pa/m] of the contacts, each (contacts,)."""
-
-    area: np.ndarray
-    normal: np.ndarray
-    shear: np.ndarray
 
 
 @argument
@@ -85,11 +78,9 @@ class Samples(NamedTuple):
 
 @argument
 class Sampling(NamedTuple):
-    """Where samples are written: Stiffness and Samples of the walls, and (walls,) numbers of
-    samples
-    written, which grow."""
+    """Where samples are written: Samples of the walls, and (walls,) numbers of samples written,
+    which grow."""
 
-    stiffness: Stiffness
     samples: Samples
     taken: np.ndarray
 
@@ -120,11 +111,10 @@ def observe(n, tables, model, ending, sampling):
 @inlined
 def observe_stored(n, tables, ending, sampling):
     """Write the elastic energies of all contact points."""
-    stiffness = sampling.stiffness
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
-        now = reading_of(n, tables.readings, c)
-        stored = stiffness.area[c] * elastic_energy(
-            now.sigma, now.tau, stiffness.normal[c], stiffness.shear[c]
+        now, of = reading_of(n, tables.readings, c), strengths_of(n, tables.strengths, c)
+        stored = tables.contacts[c].area * elastic_energy(
+            now.sigma, now.tau, of.normal_stiffness, of.shear_stiffness
         )
         for w in range(lanes(n)):
             if ending >> w & 1:
@@ -162,24 +152,25 @@ def observe_contact(n, tables, sampling, w, c):
     less its elastic part.
     """
     samples, k = sampling.samples, sampling.taken[w]
-    contact, states, now = tables.contacts[c], tables.states, reading_of(n, tables.readings, c)
+    states, now = tables.states, reading_of(n, tables.readings, c)
+    kn = stiffness_of(n, tables, c)[0]
     broken, softened = (
         load(n, states, c, contacts.BROKEN) > 0.0,
         load(n, states, c, contacts.KAPPA) > 0.0,
     )
-    force = now.sigma * contact.area
-    inelastic = now.opening - force / contact.kn
+    force = now.sigma * tables.contacts[c].area
+    inelastic = now.opening - force / kn
     opening = offset = 0.0
     if broken:
         opening = positive(now.opening)
     elif softened and now.opening > 0.0:
         opening = positive(inelastic)
     if broken or softened:
-        offset = now.shear - now.tau / sampling.stiffness.shear[c]
+        offset = now.shear - now.tau / strengths_of(n, tables.strengths, c).shear_stiffness
     samples.contacts[w, k, OPENING, c] = opening
     samples.contacts[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
     samples.contacts[w, k, OFFSET, c] = offset
-    if load(n, states, c, contacts.TENSION_STIFFNESS) != contact.kn and now.opening > 0.0:
+    if load(n, states, c, contacts.TENSION_STIFFNESS) != kn and now.opening > 0.0:
         samples.stored[w, k, c] += force * inelastic / 2
 
 

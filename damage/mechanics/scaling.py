@@ -21,7 +21,7 @@ from damage.mechanics.rows import (
     place_of,
     velocity_of,
 )
-from damage.mechanics.simd import add_part, load, store, zero
+from damage.mechanics.simd import add_part, load, of_each, store, zero
 from damage.mechanics.tables import DRIVEN, PLACE, RIGID, ROW, SWEPT_X, TAKEN, X, Z
 
 LOST = 3
@@ -89,16 +89,16 @@ def solve(n, matrix):
     for node in range(len(matrix.body)):
         known = values_of(n, room, node)
         while e < start[node + 1]:
-            change = product(matrix.lower, e, known)
+            change = product(n, matrix.lower, e, known)
             keep_values(n, room, below[e], less(values_of(n, room, below[e]), change))
             e += ROW(1)
     node = ROW(len(matrix.body))
     while node > ROW(0):
         node -= ROW(1)
-        found = product(matrix.inverse, node, values_of(n, room, node))
+        found = product(n, matrix.inverse, node, values_of(n, room, node))
         while e > start[node]:
             e -= ROW(1)
-            found = less(found, product_across(matrix.lower, e, values_of(n, room, below[e])))
+            found = less(found, product_across(n, matrix.lower, e, values_of(n, room, below[e])))
         keep_values(n, room, node, found)
 
 
@@ -123,22 +123,28 @@ def less(one, other):
 
 
 @inlined
-def product(blocks, i, of):
-    """Node: block i (3, 3) times a Node."""
+def product(n, blocks, i, of):
+    """Node: block i times a Node."""
     return Node(
-        blocks[i, 0, 0] * of.x + blocks[i, 0, 1] * of.z + blocks[i, 0, 2] * of.r,
-        blocks[i, 1, 0] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 1, 2] * of.r,
-        blocks[i, 2, 0] * of.x + blocks[i, 2, 1] * of.z + blocks[i, 2, 2] * of.r,
+        along(n, blocks, i, 0, 1, of), along(n, blocks, i, 3, 1, of), along(n, blocks, i, 6, 1, of)
     )
 
 
 @inlined
-def product_across(blocks, i, of):
-    """Node: block i (3, 3), transposed, times a Node."""
+def product_across(n, blocks, i, of):
+    """Node: block i, transposed, times a Node."""
     return Node(
-        blocks[i, 0, 0] * of.x + blocks[i, 1, 0] * of.z + blocks[i, 2, 0] * of.r,
-        blocks[i, 0, 1] * of.x + blocks[i, 1, 1] * of.z + blocks[i, 2, 1] * of.r,
-        blocks[i, 0, 2] * of.x + blocks[i, 1, 2] * of.z + blocks[i, 2, 2] * of.r,
+        along(n, blocks, i, 0, 3, of), along(n, blocks, i, 1, 3, of), along(n, blocks, i, 2, 3, of)
+    )
+
+
+@inlined
+def along(n, blocks, i, first, apart, of):
+    """Three entries of block i, the first one and those so far apart, times a Node."""
+    return (
+        of_each(n, blocks, i, first) * of.x
+        + of_each(n, blocks, i, first + apart) * of.z
+        + of_each(n, blocks, i, first + 2 * apart) * of.r
     )
 
 
@@ -158,10 +164,10 @@ def scaled_kinetic_energy(n, tables, matrix, strain):
         while e < matrix.start[i + 1]:
             for k in range(3):
                 v = load(n, room, matrix.below[e], k)
-                x = x + lower[e, k, 0] * v
-                z = z + lower[e, k, 1] * v
-                r = r + lower[e, k, 2] * v
+                x = x + of_each(n, lower, e, 3 * k) * v
+                z = z + of_each(n, lower, e, 3 * k + 1) * v
+                r = r + of_each(n, lower, e, 3 * k + 2) * v
             e += ROW(1)
-        momentum = product(matrix.diagonal, i, Node(x, z, r))
+        momentum = product(n, matrix.diagonal, i, Node(x, z, r))
         energy = energy + 0.5 * (x * momentum.x + z * momentum.z + r * momentum.r)
     return energy

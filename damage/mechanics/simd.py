@@ -23,7 +23,14 @@ import numpy as np
 from llvmlite import ir
 from numba import typeof, types
 from numba.core import cgutils
-from numba.extending import lower_builtin, models, register_jitable, register_model, type_callable
+from numba.extending import (
+    lower_builtin,
+    models,
+    overload,
+    register_jitable,
+    register_model,
+    type_callable,
+)
 
 WIDTH = 8
 
@@ -111,6 +118,11 @@ def add(n, table, row, field, value):
 def store_where(n, table, row, field, which, value):
     """Write a number where the flag `which` is set, or those of a vector where its flags are."""
     store(n, table, row, field, either(which, value, load(n, table, row, field)))
+
+
+def of_each(n, table, row, field):
+    """As `load`, also of a table (rows, fields) that all walls share: a number."""
+    return table[row, field] if table.ndim == 2 else load(n, table, row, field)
 
 
 def zero(n):
@@ -455,6 +467,17 @@ def _value(context, builder, n, kind, value):
 @_compiles(load, lambda n, table, row, field: _numbers(n))
 def _load(context, builder, signature, values):
     return builder.load(_pointer(context, builder, signature, values), align=8)
+
+
+@overload(of_each)
+def _of_each(n, table, row, field):
+    def of_all(n, table, row, field):
+        return table[row, field]
+
+    def of_wall(n, table, row, field):
+        return load(n, table, row, field)
+
+    return of_all if table.ndim == 2 else of_wall
 
 
 @_compiles(store, lambda n, table, row, field, value: types.none)

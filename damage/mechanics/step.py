@@ -93,18 +93,18 @@ class Asked(NamedTuple):
 
 
 @entry
-def advance(n, tables, model, controls, field, clock, stops, sampling):
+def advance(n, tables, model, controls, field, clock, begin, stops, sampling):
     """Advance all walls to the last of the steps at which one ends, and write samples.
 
-    On entry the forces must be those at the present displacements.  On return, and at each sample,
-    forces and readings (opening, shear displacement and stresses of every contact point) are those
-    at the displacements.
+    On entry the forces must be those at the present displacements.  At each sample forces and
+    readings (opening, shear displacement and stresses of every contact point) are those at the
+    displacements.
 
     tables, model: Tables and Model; controls: (walls, 5) of `damage.mechanics.tables.TIME_STEP` to
     ADAPTIVE; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in
-    each step and the one after the last [m/s2]; clock: (walls,) numbers of steps before; stops:
-    (stops, 2) rising numbers of steps from now, and the walls (bits) of which a sample is written
-    there, all of them at the last; sampling: Sampling.
+    each step and the one after the last [m/s2]; clock: (walls,) numbers of steps before; begin:
+    walls (bits) that do not go on from within a call; stops: (stops, 2) rising numbers of steps
+    from now, and the walls (bits) of which a sample is written there; sampling: Sampling.
     """
     damped = controls[:, BETA].any() or tables.radiates
     walls, holds = (1 << len(controls)) - 1, tables.turning[:, :2].any()
@@ -112,7 +112,7 @@ def advance(n, tables, model, controls, field, clock, stops, sampling):
     step = k = stops[0, 0] * 0
     mark_used(n, tables, model.strain, walls)
     if damped:
-        remember_last(n, tables, model.strain, walls)
+        remember_last(n, tables, model.strain, begin)
     while k < len(stops):
         step += 1
         ending = stops[k, 1] if step >= stops[k, 0] else 0
@@ -139,7 +139,7 @@ def step_once(n, tables, model, controls, field, asked):
     if controls[:, ADAPTIVE].any():
         adapt(n, tables, model.strain, controls)
     # without the matrix, so that the code of forces is the same with mass scaling and without
-    of_forces = Model(model.law, model.strain, model.loose, None, model.cuts)
+    of_forces = Model(model.threshold, model.strain, model.loose, None, model.cuts)
     find_forces(n, tables, of_forces, asked)
 
 
@@ -513,7 +513,7 @@ def by_law(n, tables, model, asked, points, motion, beyond, elastic):
             one, now, step = wall_of(n, w), of_wall(motion, w), asked.clock[w] + asked.step
             before = motion_before(one, tables, model.strain, points, now, asked.damped)
             of_points, change, failed = contacts.law_resultant(
-                one, tables, model.law, points, step, now, before, asked.damped
+                one, tables, model.threshold, points, step, now, before, asked.damped
             )
             resultant, changed = with_wall(resultant, w, of_points), with_wall(changed, w, change)
             if failed:

@@ -15,6 +15,7 @@ import numba
 import numpy as np
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
+from damage.mechanics.interfaces import Line, Springs
 from damage.mechanics.simd import WIDTH, argument
 
 X, Z, ROTATION = range(3)
@@ -84,9 +85,11 @@ class Beam(NamedTuple):
 
 
 class Strengths(NamedTuple):
-    """Strengths [N] and fracture energies [J] of a contact point: as of LawParameters, times its
-    area."""
+    """Of a contact point: normal and shear stiffness [Pa/m]; strengths [N] and fracture energies
+    [J] as of LawParameters, times its area."""
 
+    normal_stiffness: float
+    shear_stiffness: float
     tensile_strength: float
     cohesion: float
     mode_i_energy: float
@@ -115,15 +118,12 @@ def _row(**fields):
 
 
 INTERFACE = _row(
-    f8="ax az bx bz kn ks kn_offset kn_offset2 reach slide_loss head slide_least slide_most",
+    f8="ax az bx bz head slide_least slide_most",
     u4="a b start stop",
 )
 """Of an interface, equal in all walls that step together.
 
 ax, az, bx, bz: arms from the centres of bodies a and b to the middle of the contact points [m];
-kn, ks: normal and shear stiffness of all contact points together [N/m]; kn_offset, kn_offset2: sums
-of kn offset [N] and kn offset^2 [N m] over them; reach: offset of the outermost one [m];
-slide_loss: reduction of the largest elastic shear displacement by an opening at the reach [-];
 head: 1 for an upright interface, 0 for a bed joint; slide_least, slide_most: shear displacements
 down and up to which the two faces overlap, infinite on a support [m]; a, b: rows of the bodies;
 start, stop: row of the first contact point, and that after the last one.
@@ -131,11 +131,11 @@ start, stop: row of the first contact point, and that after the last one.
 LIMITS = "largest_opening", "largest_slide", "failed"
 """Fields of the limits of an interface: of `damage.mechanics.interfaces.ElasticLimits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
-LINES = INTERFACE.names[:11]
-"""Fields of `lines`, those of INTERFACE that an intact one needs, in this order."""
-CONTACT = _row(f8="offset area kn ks")
+SPRINGS, LINES = Springs._fields, Line._fields + Springs._fields
+"""Fields of `springs`, and of `lines`: what an intact interface needs."""
+CONTACT = _row(f8="offset area")
 """Of a contact point, equal in all walls that step together: offset from the interface's middle,
-along +x in bed and -z in head joints [m]; area [m2]; normal and shear stiffness times it [N/m]."""
+along +x in bed and -z in head joints [m]; area [m2]."""
 STRENGTHS, READINGS = Strengths._fields, Reading._fields
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""
@@ -158,7 +158,8 @@ class System(
     namedtuple(
         "System",
         "place velocity force mass inverse_mass trig interfaces limits contacts strengths states"
-        " readings energy events values n_events relaxation last turning beam bearings radiation",
+        " readings energy events values n_events relaxation last turning beam bearings radiation"
+        " springs material",
     )
 ):
     """Tables of one wall.
@@ -182,6 +183,7 @@ class System(
     beam (Beam): (1,) what gives bodies these shares
     bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
     radiation: (rows of `last`, RADIATION) dashpots of the soil, none without soil
+    springs: (interfaces, SPRINGS) of intact interfaces; material: (fields of Material,)
     """
 
     __slots__ = ()
@@ -192,8 +194,8 @@ class Tables(
     namedtuple(
         "Tables",
         "bodies inertia interfaces limits contacts strengths states readings energy events values"
-        " n_events relaxation last turning beam bearings radiation radiates bench sums others used"
-        " lines first second every",
+        " n_events relaxation last turning beam bearings radiation springs material radiates bench"
+        " sums others used lines unlike first second every",
     )
 ):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
@@ -202,8 +204,9 @@ class Tables(
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
     each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
     first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
-    eight interfaces, LINES, 8), copied by `copy_lines`; radiates: whether `radiation` is used.  It
-    has rows in any case, so that its layout, and with it the type of Tables, is always the same.
+    eight interfaces, LINES, 8), copied by `copy_lines`; unlike: None where all walls have the
+    `springs` of `lines`, else these of each; radiates: whether `radiation` is used.  It has rows in
+    any case, so that its layout, and with it the type of Tables, is always the same.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
     evaluated contact point by contact point; used: (contacts,) 0 where a contact point is an intact
@@ -216,7 +219,7 @@ class Tables(
 
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
-WORK = "radiates", "bench", "sums", "others", "used", "lines", "first", "second", "every"
+WORK = "radiates", "bench", "sums", "others", "used", "lines", "unlike", "first", "second", "every"
 
 
 def make_tables(
@@ -260,12 +263,15 @@ def make_tables(
         beam=zeros(1, len(Beam._fields)),
         bearings=zeros(n_bearings, len(Bearing._fields)),
         radiation=by_columns(max(n_dashpots, 1), len(RADIATION)),
+        springs=zeros(len(interfaces), len(SPRINGS)),
+        material=zeros(1, len(Material._fields)),
         radiates=n_dashpots > 0,
         bench=zeros(1, len(Bench._fields)),
         sums=zeros(SUMS, PARTS),
         others=np.zeros(p, np.uint8),
         used=np.zeros(c, np.uint8),
         lines=aligned_zeros(blocks, len(LINES), 8),
+        unlike=None,
         first=first,
         second=second,
         every=np.arange(up(n_bodies), dtype=INDEX),
@@ -273,9 +279,10 @@ def make_tables(
 
 
 def copy_lines(tables):
-    """Copy LINES from the interfaces into `lines`."""
-    for field, name in enumerate(LINES):
-        tables.lines[:, field].flat[: len(tables.interfaces)] = tables.interfaces[name]
+    """Copy LINES from the interfaces, and the springs of the first wall, into `lines`."""
+    of_line = [tables.interfaces[name] for name in Line._fields]
+    for field, values in enumerate([*of_line, *tables.springs[..., 0].T]):
+        tables.lines[:, field].flat[: len(values)] = values
 
 
 def aligned_zeros(*shape):
@@ -314,8 +321,11 @@ def join(members):
             elif name not in SHARED + WORK:
                 rows = min(len(from_), len(to))
                 to[:rows, :, w] = from_[:rows, :, lane]
+    for table in (new.springs, new.strengths):  # places that no wall takes
+        table[..., len(members) :] = table[..., :1]
     copy_lines(new)
-    return new
+    alike = len(members) == 1 or (new.springs == new.springs[..., :1]).all()
+    return new if alike else new._replace(unlike=new.springs)
 
 
 def system_of(tables, w):
@@ -348,6 +358,8 @@ def system_of(tables, w):
         beam=_records(tables.beam, Beam._fields, w),
         bearings=_records(tables.bearings, Bearing._fields, w),
         radiation=tables.radiation[: damped * tables.radiates, :, w],
+        springs=tables.springs[..., w],
+        material=tables.material[0, :, w],
     )
 
 
@@ -394,8 +406,8 @@ class Matrix(NamedTuple):
 
     body, first, count: (nodes,) row of its body, the first of its coordinates and their number;
     start: (nodes + 1,) first block of each column of L; below: (blocks,) node of each block's row;
-    lower: (blocks, 3, 3) these blocks; diagonal, inverse: (nodes, 3, 3) blocks of D, zero where
-    massless and prescribed, and of its inverse;
+    lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of D, zero where massless
+    and prescribed, and of its inverse; all three (..., W) where walls differ;
     room: (nodes, 6, W) work array.
     """
 
@@ -411,18 +423,10 @@ class Matrix(NamedTuple):
 
 
 @argument
-class Law(NamedTuple):
-    """Joint law of a wall: Material, threshold of the events OPENED and SLIPPED [m]."""
-
-    material: Material
-    threshold: float
-
-
-@argument
 class Cuts(NamedTuple):
     """Cuts through bricks that can split: interface: (cuts,) row of each; start: (cuts + 1,) first
     of its rows in contact, (n,) contacts of the bed joints above and below it, and share, (n,) of
-    their normal stress in its vertical stress [-]; strength: (cuts,) of the brick [Pa]."""
+    their normal stress in its vertical stress [-]; strength: (walls,) of the bricks [Pa]."""
 
     interface: np.ndarray
     start: np.ndarray
@@ -432,10 +436,10 @@ class Cuts(NamedTuple):
 
 
 @argument
-class Model(namedtuple("Model", "law strain loose matrix cuts")):
+class Model(namedtuple("Model", "threshold strain loose matrix cuts")):
     """What walls that step together share besides their tables.
 
-    law: Law; cuts: Cuts, of none where bricks stay whole; strain: Strain, None of rigid bricks;
-    loose: Loose of one wall, None where bricks find no new contacts; matrix: Matrix of these walls,
-    None without mass scaling.
+    threshold: of the events OPENED and SLIPPED [m]; cuts: Cuts, of none where bricks stay whole;
+    strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find no new
+    contacts; matrix: Matrix of these walls, None without mass scaling.
     """

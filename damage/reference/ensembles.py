@@ -1,11 +1,9 @@
-"""Ensembles: walls with equal bricks and stiffnesses advance together, whatever their motions.
+"""Ensembles: walls with equal bricks advance together, whatever their motions, joints and time
+steps.
 
-A wall stops where it takes a sample.  Walls that stop at the same step advance to it as members of
-one batch; a wall that stops elsewhere advances by itself until the others can join it.  Results of
-a wall do not depend on the others.
+Members of a batch advance until one has taken the steps that its run asked for; it is asked for the
+next ones, and the others go on.  Results of a wall do not depend on the others.
 """
-
-from itertools import accumulate
 
 from damage.reference.lanes import advance_together
 from damage.run.cooperative import WAITED
@@ -17,8 +15,8 @@ of a batch with AVX-512 and a fifth with AVX2.  Of walls with deformable bricks 
 
 
 def move(asked):
-    """Advance solvers, as `damage.run.cooperative.run_each`, those with equal bricks and
-    stiffnesses in batches; returns WAITED for those that wait for others.
+    """Advance solvers, as `damage.run.cooperative.run_each`, those with equal bricks in batches;
+    returns WAITED for those that have steps left.
 
     asked: (ReferenceSolver, *numbers of steps) of each.
     """
@@ -42,20 +40,13 @@ def _chosen(walls):
     least = LEAST_LANES if next(iter(walls)).layout.strain is None else 2
     if len(walls) < least:
         return [{wall: steps} for wall, steps in walls.items()]
-    # Those that react to each sample, as on ground that settles, would make all others take single
-    # samples, too.
-    reacting = {wall: steps for wall, steps in walls.items() if len(steps) == 1}
-    if 0 < len(reacting) < least:
-        return [{wall: steps} for wall, steps in reacting.items()]
-    # The walls with the earliest last stop come first, together with those that stop there, too;
-    # the others wait.
-    ends = {wall: list(accumulate(steps)) for wall, steps in walls.items()}
-    stop = min(of_wall[-1] for of_wall in ends.values())
-    group = {
-        wall: walls[wall][: of_wall.index(stop) + 1]
-        for wall, of_wall in ends.items()
-        if stop in of_wall
-    }
-    if len(group) >= least:
-        return [group]
-    return [{wall: walls[wall][:1]} for wall in group]
+    # Those that react to each sample, as on ground that settles, would make all others take few
+    # steps at once, too: they go first, and together where they have equally many left.
+    reacting, others = {}, {}
+    for wall, steps in walls.items():
+        alike = reacting.setdefault(steps[0] - wall.taken, {}) if len(steps) == 1 else others
+        alike[wall] = steps
+    if few := [group for group in reacting.values() if len(group) < least]:
+        return [{wall: steps} for group in few for wall, steps in group.items()]
+    first, *more = [*reacting.values()] or [{}]
+    return [first | others, *more]

@@ -3,10 +3,11 @@ vector instructions.
 
     run_together([wall, another, ...], 70, 70, 10)     # each as wall.run would, to the same bits
 
-Members are ReferenceWalls with equal bricks, joint positions, stiffnesses and friction; state,
-motion, strengths, damping and time step may differ.  The tables of a member are views of the tables
-of its batch (`Lanes`), so that it can be read, changed and run alone at any time.  A batch is built
-anew where the walls differ from those of the last call, so that walls that have ended are left out.
+Members are ReferenceWalls with equal bricks and joint positions; state, motion, stiffnesses,
+friction, strengths, damping and time step may differ.  The tables of a member are views of the
+tables of its batch (`Lanes`), so that it can be read, changed and run alone at any time.  A batch
+is built anew where the walls differ from those of the last call, so that walls that have ended are
+left out.
 """
 
 import hashlib
@@ -17,8 +18,10 @@ import numpy as np
 from damage.index import THRESHOLD
 from damage.mechanics import step as kernel
 from damage.mechanics import tables
+from damage.mechanics.factor import matrix_of
 from damage.mechanics.samples import Samples, Sampling
 from damage.mechanics.simd import EIGHT, ONE, WIDTH
+from damage.run.cooperative import WAITED
 
 MOST_LANES = WIDTH
 """Largest number of walls in a batch: the SIMD lanes of a vector (`damage.mechanics.simd`)."""
@@ -27,17 +30,17 @@ MOST_LANES = WIDTH
 def run_together(walls, *steps):
     """Advance walls by the same numbers of steps, as `ReferenceWall.run`.
 
-    Returns for each None, or the FloatingPointError that ends it.  Raises ValueError where they
-    differ in bricks, stiffnesses or friction.
+    Returns for each None, or the FloatingPointError that ends it.  Raises ValueError where their
+    bricks differ.
     """
     return advance_together([(wall, steps) for wall in walls])
 
 
 def advance_together(asked):
-    """Advance walls by different numbers of steps with equal sums; returns and raises as
-    `run_together`.
+    """Advance walls until the first has taken all of its steps; returns and raises as
+    `run_together`, of the others WAITED: they go on where they are asked for the same steps again.
 
-    asked: (wall, numbers of steps) of each; ValueError, too, where the sums differ.
+    asked: (wall, numbers of steps) of each.
     """
     most = MOST_LANES if all(wall.loose is None for wall, _ in asked) else 1
     for first in range(0, len(asked), most):
@@ -46,13 +49,13 @@ def advance_together(asked):
         if not lanes.are_of(walls):
             lanes = Lanes(walls)
         lanes.run(*steps)
-    return [wall.failure() for wall, _ in asked]
+    return [WAITED if wall.taken else wall.failure() for wall, _ in asked]
 
 
 class Lanes:
     """Batch of up to eight walls, whose tables become views of the tables of the batch.
 
-    Raises ValueError where the walls differ in bricks, stiffnesses or friction.
+    Raises ValueError where their bricks differ.
     """
 
     def __init__(self, walls, built=None):
@@ -66,14 +69,13 @@ class Lanes:
         )
         for w, wall in enumerate(walls):
             wall.system, wall.lanes = tables.system_of(self.tables, w), self
-        matrix = walls[0].mass and walls[0].mass.matrix(self.tables.bench.shape[2])
-        of_forces = (
-            tables.Law(walls[0].material, THRESHOLD),
-            walls[0].strain,
-            walls[0].loose,
-        )
+        masses, width = [wall.mass for wall in walls], self.tables.bench.shape[2]
+        matrix = masses[0] and matrix_of(masses, width)
+        strength = np.concatenate([wall.cuts.strength for wall in walls])
+        cuts = walls[0].cuts._replace(strength=strength)
         self._model, self._of_forces = (
-            tables.Model(*of_forces, one, walls[0].cuts) for one in (matrix, None)
+            tables.Model(THRESHOLD, walls[0].strain, walls[0].loose, one, cuts)
+            for one in (matrix, None)
         )
         self._sampling = self.room(0)
 
@@ -99,13 +101,13 @@ class Lanes:
         )
 
     def run(self, *steps):
-        """Advance the walls by their numbers of steps, a sequence for each; `samples_of` returns
-        the samples.
-
-        Raises ValueError where their sums differ.
-        """
+        """Advance the walls by their numbers of steps, a sequence for each, until the first has
+        taken all; `samples_of` returns the samples."""
         walls = self.walls
+        begin = _as_bits(wall.taken == 0 for wall in walls)
         for wall in walls:
+            if wall.taken == 0:
+                wall.earlier.clear()
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
         longest, room = max(map(len, steps)), self._sampling.samples
@@ -113,13 +115,8 @@ class Lanes:
             any(wall.with_stresses for wall in walls) and not room.stress.shape[3]
         ):
             self._sampling = self.room(longest)
-        ends = [np.cumsum(of_wall) for of_wall in steps]
-        last = int(ends[0][-1])
-        if any(of_wall[-1] != last for of_wall in ends):
-            raise ValueError(
-                f"walls asked to go {sorted({int(one[-1]) for one in ends})} steps together:"
-                " expected equally many"
-            )
+        ends = [np.cumsum(of_wall) - wall.taken for wall, of_wall in zip(walls, steps)]
+        last = int(min(of_wall[-1] for of_wall in ends))
         if last == 0:
             return
         self._sampling.taken[:] = 0
@@ -131,11 +128,15 @@ class Lanes:
             controls,
             field,
             clock,
-            _in_turn(ends),
+            begin,
+            _in_turn([of_wall[(0 < of_wall) & (of_wall <= last)] for of_wall in ends]),
             self._sampling,
         )
-        for wall in walls:
+        for wall, of_wall in zip(walls, ends):
             wall.step += last
+            wall.taken = wall.taken + last if of_wall[-1] > last else 0
+            if wall.taken:
+                wall.earlier.append(type(now := self._samples_now(wall))(*map(np.copy, now)))
 
     def _now(self):
         """(walls,) steps since `start` and (walls, 5) `controls`; for a wall in use no longer those
@@ -156,11 +157,21 @@ class Lanes:
         samples = Samples.none(
             len(self._walls), n_samples, walls[0].system, n_supports, with_stresses
         )
-        return Sampling(walls[0].stiffness, samples, np.zeros(len(self._walls), int))
+        return Sampling(samples, np.zeros(len(self._walls), int))
 
     def samples_of(self, wall, count):
-        """The first samples of a wall from the last `run`, views that the next one overwrites."""
-        return self._sampling.samples.of(self.lane_of(wall), count)
+        """The first samples of the steps that a wall was asked for last, views that the next `run`
+        overwrites."""
+        parts = [*wall.earlier, self._samples_now(wall)]
+        if len(parts) == 1:
+            return self._sampling.samples.of(self.lane_of(wall), count)
+        return Samples(*(np.concatenate(of_parts)[:count] for of_parts in zip(*parts)))
+
+    def _samples_now(self, wall):
+        """Samples of a wall from the last `run`, its stresses where it has them."""
+        w = self.lane_of(wall)
+        found = self._sampling.samples.of(w, self._sampling.taken[w])
+        return found if wall.with_stresses else found._replace(stress=found.stress[..., :0])
 
     def sample_now(self, wall, field):
         """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of
@@ -190,8 +201,8 @@ class Lanes:
 
 def kind_of(wall):
     """Key that is equal for walls that can be members of one batch: whether they find new contacts,
-    material, and a digest of the arrays of bricks, stiffnesses and scaled mass that all of them
-    share."""
+    and a digest of the arrays of bricks, strain modes and couplings of the scaled mass that all of
+    them share."""
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID :], *wall.strain) if wall.strain else ()
     shared = [
@@ -201,12 +212,17 @@ def kind_of(wall):
             for name in table.dtype.names
         ),
         *of_modes,
-        *wall.cuts,
-        np.array(len(system.radiation)),
-        np.frombuffer(wall.mass.key if wall.mass else b"", "u1"),
+        *wall.cuts[:-1],
+        np.array([len(system.radiation), len(system.bearings)]),
+        *(wall.mass.matrix[:5] if wall.mass else ()),
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
-    return wall.loose is None, wall.material, hashlib.sha256(b"".join(parts)).digest()
+    return wall.loose is None, hashlib.sha256(b"".join(parts)).digest()
+
+
+def _as_bits(flags):
+    """Flags of the walls as bits of an integer."""
+    return sum(1 << w for w, flag in enumerate(flags) if flag)
 
 
 def _in_turn(ends):
@@ -224,7 +240,7 @@ def _common_kind(walls):
     for lane, kind in enumerate(others, 1):
         if kind != first:
             raise ValueError(
-                f"wall {lane} of those to step together has other bricks, stiffnesses or friction"
-                " than wall 0; step it by itself"
+                f"wall {lane} of those to step together has other bricks than wall 0; step it by"
+                " itself"
             )
     return first

@@ -1,8 +1,7 @@
 """A wall of the reference solver: rigid bodies in the plane, integrated explicitly in time.
 
 Layout, joint law, stages, loading and history file are those of walls in YADE.  The time step is
-`damage.mechanics.step`.  Walls with equal bricks and stiffnesses can advance together
-(`damage.reference.lanes`).
+`damage.mechanics.step`.  Walls with equal bricks can advance together (`damage.reference.lanes`).
 """
 
 import math
@@ -12,20 +11,19 @@ import numpy as np
 from damage.elementary import sin, total
 from damage.errors import RunError
 from damage.index import THRESHOLD
-from damage.law.joint_law import material_of
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import (
     CAPACITY,
     build,
-    contact_rows,
     cut_tables,
+    law_of,
     strain_tables,
     sum_springs,
 )
 from damage.mechanics.collisions import FULL, INSIDE, build_loose
 from damage.mechanics.factor import scaled_mass
-from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC, Stiffness
+from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC
 from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
@@ -50,17 +48,14 @@ class ReferenceWall:
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
-        built, row = build(layout, self.material), contact_rows(layout)[0]
+        # in a batch: of the steps asked for, those taken, and the samples before its last call
+        self.taken, self.earlier = 0, []
+        built = build(layout)
         self.strain, self.loose = strain_tables(layout), None
         self.cuts = cut_tables(layout, built.interfaces)
         self.mass = scaled_mass(layout, time_step, beta) if scaled else None
-        self.stiffness = Stiffness(
-            built.contacts["area"].copy(),
-            layout.contacts.normal_stiffness[row],
-            layout.contacts.shear_stiffness[row],
-        )
         if new_contacts:
-            self.loose = build_loose(layout, tables.system_of(built, 0), time_step, self.material)
+            self.loose = build_loose(layout, tables.system_of(built, 0), time_step)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         self._held, self._is_driven, self._spreads = None, False, False
         self._active = (0, np.empty(0, int))
@@ -229,17 +224,13 @@ class ReferenceWall:
         directly."""
         system = self.system
         intact = system.states["kappa"] == 0.0
-        system.states["elastic_tension_stiffness"][intact] = system.contacts["kn"][intact]
-        sum_springs(system, self.material, self.layout.strain)
+        kn = law_of(system).normal_stiffness
+        system.states["elastic_tension_stiffness"][intact] = kn[intact]
+        sum_springs(system, self.layout.strain)
         if not self.lanes.are_of([self]):
             Lanes([self])
         copy_lines(self.lanes.tables)
         self.lanes.find_forces()
-
-    @property
-    def material(self):
-        """damage.law.joint_law.Material of all contact points."""
-        return material_of(self.layout.wall.joint)
 
     @property
     def controls(self):

@@ -26,8 +26,7 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
         *describe_top(layout),
         *describe_openings(plan),
         *describe_floors(plan),
-        describe_joint(wall.joint, options.strength_cov),
-        describe_brick(wall.brick, options),
+        *masonry_lines(layout),
         *lintels,
         (
             f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
@@ -40,6 +39,25 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
         ),
         f"motion: {loading.name}",
         *describe_sampling(loading),
+    ]
+
+
+def masonry_lines(layout):
+    """Lines about the joints and bricks of a wall, of a house with the names of its walls where
+    these differ."""
+    walls, found = [layout.wall], {}
+    if layout.space:
+        walls = [one.wall for one in layout.space.house.walls]
+    for wall in walls:
+        lines = (
+            describe_joint(wall.joint, layout.options.strength_cov),
+            describe_brick(wall.brick, layout.options),
+        )
+        found.setdefault(lines, []).append(wall.name)
+    return [
+        line if len(found) == 1 else f"{', '.join(names)}: {line}"
+        for lines, names in found.items()
+        for line in lines
     ]
 
 

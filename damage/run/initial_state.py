@@ -12,7 +12,10 @@ from damage.history.reader import opened, read_history
 from damage.history.schema import STATE
 from damage.history.writer import layout_tables
 
-KEPT = "displacement", "support_displacement", "elastic_j", "friction_j", "fracture_j", "strain"
+KEPT = (
+    *("displacement", "out_of_plane", "support_displacement", "strain"),
+    *("elastic_j", "friction_j", "fracture_j"),
+)
 """Of the Instants at the first run's time zero, from which displacements and energies count; the
 strain of deformable bricks, None of rigid ones, moves material points."""
 

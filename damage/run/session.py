@@ -263,7 +263,7 @@ def check(backend, wall, settings):
     """RunSettings with what this solver adds to them for this wall; raises InputError where they do
     not go together."""
     if isinstance(wall, House):
-        check_house(settings, wall)
+        check_house(backend, settings, wall)
     wall = masonry_of(wall)
     settings.check_plausible(wall)
     if wall.joint.softens and not backend.softening:
@@ -279,11 +279,12 @@ def check(backend, wall, settings):
     return settings
 
 
-def check_house(settings, house):
+def check_house(backend, settings, house):
     """Raise InputError where a run of a House is asked for what runs in the plane of a wall
     alone."""
     for placed in house.walls[1:]:
         settings.check_plausible(placed.wall)
+        backend.check(settings, placed.wall)
     drive = settings.loading.drive
     for what, given in (
         ("displacements of supports", drive.supports),
@@ -291,7 +292,6 @@ def check_house(settings, house):
             "a pushed top that may not rotate freely",
             drive.top and (not drive.top_rotates or drive.top_stiffness),
         ),
-        ("a run that continues", settings.continued or settings.resumed),
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
         ("--new-contacts", settings.new_contacts),
@@ -341,7 +341,7 @@ def _opened(plan, state, parameters, out, write):
     else:
         writer, tables = write(parameters=parameters), None
     checkpoints = None
-    if writer.path and not layout.space:
+    if writer.path:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces

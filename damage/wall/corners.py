@@ -59,8 +59,9 @@ def makes_room_for(layout, one, other, kind):
 
 def with_loads(layout, making_room):
     """The Layout with what bodies that make room carried on those in their place."""
-    space, bodies, brick = layout.space, layout.bodies, layout.wall.brick
-    loads = bodies.mass - brick.density * bodies.length * space.depth * bodies.height
+    space, bodies = layout.space, layout.bodies
+    density = np.array([one.wall.brick.density for one in space.house.walls])[space.wall]
+    loads = bodies.mass - density * bodies.length * space.depth * bodies.height
     gone = making_room >= 0
     more = np.bincount(making_room[gone], loads[gone], len(bodies))
     more[more < TINY] = 0.0
@@ -74,8 +75,14 @@ def with_loads(layout, making_room):
 
 
 def joined_at(layout, one, other):
-    """The Layout with contact points where bricks of two walls touch, behind all other joints."""
-    space, brick, joint = layout.space, layout.wall.brick, layout.wall.joint
+    """The Layout with contact points where bricks of two walls touch, behind all other joints; each
+    property is that of the wall where it is less."""
+    space = layout.space
+
+    def least(part, name):
+        walls = space.house.walls[one].wall, space.house.walls[other].wall
+        return min(getattr(getattr(wall, part), name) for wall in walls)
+
     low, high, i, j, apart = _common(layout, one, other)
     axes, span, found = space.house.walls[one].axes, high - low, []
     bricks = np.maximum(i, j) < layout.n_bricks
@@ -92,15 +99,15 @@ def joined_at(layout, one, other):
     first, second, normal, distance, area, place = map(np.array, zip(*found))
     turned = axes[[[0, 2, 1], [1, 2, 0], [2, 0, 1]]][normal]
     stiffness = [
-        1 / (1 / of_joint + distance / modulus)
+        1 / (1 / least("joint", of_joint) + distance / least("brick", modulus))
         for of_joint, modulus in (
-            (joint.normal_stiffness, brick.young_modulus),
-            (joint.shear_stiffness, brick.shear_modulus),
+            ("normal_stiffness", "young_modulus"),
+            ("shear_stiffness", "shear_modulus"),
         )
     ]
     kind, n = np.where(normal == 2, BED, HEAD), layout.n_joints
     points = Points(kind, first, second, place, turned, distance / 2, area, *stiffness)
-    strength = joint.tensile_strength, joint.cohesion, np.inf
+    strength = least("joint", "tensile_strength"), least("joint", "cohesion"), np.inf
     return replace(with_points(layout, n, points, one, strength), n_joints=n + len(first))
 
 

@@ -167,8 +167,8 @@ def outline(walls):
 
 @dataclass(frozen=True)
 class House:
-    """Placed walls of one masonry, their corners, floors and ties; heading: of the first horizontal
-    component of the motion in plan, from x towards y [deg]."""
+    """Placed walls of bricks of one size, their corners, floors and ties; heading: of the first
+    horizontal component of the motion in plan, from x towards y [deg]."""
 
     name: str
     walls: tuple[Placed, ...]
@@ -206,7 +206,8 @@ class House:
 
     @cached_property
     def masonry(self):
-        """The first wall under the name of the house, for what all walls share."""
+        """The first wall under the name of the house, for what all walls share, as the size of
+        bricks."""
         return replace(self.walls[0].wall, name=self.name)
 
     def carrying(self, floor):
@@ -255,14 +256,17 @@ def _check_corner(house, corner):
 
 
 def _check_masonry(house, wall):
-    """Refuse what a house cannot have yet: walls of different masonry, and what runs in a plane
+    """Refuse what a house cannot have yet: walls of bricks of other sizes, and what runs in a plane
     alone."""
-    joint, first = wall.joint, house.masonry
-    if (wall.brick, joint) != (first.brick, first.joint):
+    joint, (size, first) = (
+        wall.joint,
+        [(one.length, one.height, one.thickness) for one in (wall.brick, house.masonry.brick)],
+    )
+    if size != first:
         raise InputError(
-            f"house {house.name}, wall {wall.name}: its bricks or joints differ from those of"
-            f" {house.names[0]}: expected one masonry of all walls; give them the same [brick] and"
-            " [joint]"
+            f"house {house.name}, wall {wall.name}: its bricks have the size {size} m, those of"
+            f" {house.names[0]} {first} m: expected one size, so that courses meet; correct the"
+            " [brick] of one"
         )
     for what, given in (
         ("fracture energies of joints", joint.softens),

@@ -95,6 +95,12 @@ class Space:
         away = self.place - self.centres(bodies)[body]
         return np.einsum("nij,nj->ni", self.of_body[body], away)
 
+    def lesser(self, contacts, values):
+        """Of each contact point the value of its wall, between two the lesser; values:
+        (n_walls,)."""
+        ends = values[self.wall[np.maximum([contacts.first, contacts.second], 0)]]
+        return np.where(self.joint_wall < 0, ends.min(axis=0), values[self.joint_wall])
+
     def tops(self, motion):
         """Displacement along each wall of its top over the piers (n, n_walls) [m]; motion: (n,
         n_bodies, 3)."""

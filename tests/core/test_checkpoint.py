@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+from itertools import groupby
 
 import numpy as np
 import pytest
@@ -109,24 +110,26 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
-    """The n-th process is killed, or every third interrupted, at its look 4, 5, 6, ...: in the
-    static stage, too."""
+    """A run is killed in the static stage, and interrupted in the middle of each stage."""
     monkeypatch.chdir(REPOSITORY)
     words, whole, cut = words_of(RUNS[name], tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
-    # here: the children find all compiled
-    assert run_reference([*map(str, words), "--out", str(whole)]) == 0
+    stages, continues = [], run_module.Run._continues
+    with monkeypatch.context() as patch:  # here: the children find all compiled
+        patch.setattr(
+            run_module.Run, "_continues", lambda run: stages.append(run.stage) or continues(run)
+        )
+        assert run_reference([*map(str, words), "--out", str(whole)]) == 0
     assert not checkpoint_path(whole).exists()
-    place, ended = ("--out", cut), False
-    for kills in range(6):
-        sign = signal.SIGINT if kills % 3 == 1 else signal.SIGKILL
-        status = in_a_child([*words, *OFTEN, *place], looks=4 + kills, name=sign)
-        place = ("--resume", cut)
-        if ended := status == 0:
-            break
-        assert status == (130 if sign == signal.SIGINT else -9) and checkpoint_path(cut).exists()
-    assert kills >= 4
-    if not ended:
-        assert in_a_child([*words, *place]) == 0
+    assert in_a_child([*words, *OFTEN, "--out", cut], looks=4) == -9
+    words, here = (*words, "--resume", cut), 3  # the look that wrote a checkpoint
+    looks = enumerate(stages, 1)
+    for _, looks_of_stage in groupby(looks, lambda look: look[1]):
+        numbers = [number for number, _ in looks_of_stage]
+        there = numbers[len(numbers) // 2]
+        assert in_a_child([*words, *OFTEN], there - here + 1, signal.SIGINT) == 130
+        assert checkpoint_path(cut).exists()
+        here = there
+    assert in_a_child(words) == 0
     assert differences(values(whole), values(cut)) == [] and not checkpoint_path(cut).exists()
     first, second = damage.read_history(whole), damage.read_history(cut)
     assert first.parameters == second.parameters and second.complete and len(second.series) > 20

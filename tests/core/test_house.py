@@ -9,12 +9,14 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.law.modes import natural_modes, stiffness_matrix
+from damage.motion.settlement import Settlement
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
-from damage.wall.house import Corner, Diaphragm, House, Placed, read_house
+from damage.wall.house import Corner, Diaphragm, House, Placed, outline, read_house
 from damage.wall.house_layout import JOIST_M2, JOIST_PA, lay_out_house
-from damage.wall.kinds import SLAB_COURSE
+from damage.wall.kinds import GROUND, SLAB_COURSE
 from damage.wall.layout import lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.ties import Ties
 
@@ -129,9 +131,30 @@ def test_what_takes_a_wall_says_that_this_is_a_house():
     assert "houses run by ./yade" in one_line_error(load_wall, BOX)
 
 
-def test_walls_of_other_masonry_or_of_the_plane_alone_are_refused():
-    one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, joint=Joint(cohesion=1e5))
-    assert "one masonry" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
+def test_corners_of_two_masonries_have_the_weaker_properties():
+    """Each wall keeps its own; a half brick makes room for a brick of the other wall."""
+    ends = ("one", "whole", 5e9, 2e5, 0.5, 1500), ("other", "half", 8e9, 1e5, 0.7, 2000)
+    walls = []
+    for name, base, stiff, bond, friction, density in ends:
+        joint = Joint(stiff, 2e9, friction, 1e5, bond)
+        brick = replace(ASHLAR["brick"], density=density)
+        walls.append(Wall(name, 0.8, base_course=base, **ASHLAR | {"joint": joint, "brick": brick}))
+    placed = Placed(walls[0]), Placed(walls[1], (0.1, -0.1), 90)
+    layout = lay_out_house(House("two", placed, [Corner(("one", "other"), "toothed")]))
+    assert_allclose(layout.total_mass, 0.2 * 0.2 * (1500 * (0.8 + 0.6) + 2000 * (0.6 + 0.8)))
+    contacts, wall = layout.contacts, layout.space.joint_wall
+    for number, cohesion in ((0, 2e5), (1, 1e5), (-1, 1e5)):
+        assert set(contacts.cohesion[wall == number]) == {cohesion}
+    friction = layout.space.lesser(contacts, np.array([0.5, 0.7]))
+    assert [set(friction[wall == number]) for number in (0, 1, -1)] == [{0.5}, {0.7}, {0.5}]
+    flat = (wall == -1) & (contacts.kind == 0)
+    brick = walls[0].brick
+    assert_allclose(contacts.normal_stiffness[flat], 1 / (1 / 5e9 + 0.2 / brick.young_modulus))
+
+
+def test_bricks_of_two_sizes_or_what_runs_in_the_plane_alone_are_refused():
+    one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, brick=Brick(0.45, 0.075, 0.1025))
+    assert "expected one size" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
     soft = Wall(
         "soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50)
     )
@@ -164,6 +187,40 @@ def test_a_slab_makes_walls_share_a_push_by_their_stiffness():
     assert_allclose(sum(shares), 1)
     assert shares[1] > 2 * shares[0]
     assert_allclose(house.bodies.mass[number], 400 * 1.6 * 4.2, rtol=1e-6)
+
+
+@pytest.mark.parametrize("profile", ["hogging", "sagging", "knick", "tilt"])
+def test_the_ground_below_a_house_follows_its_profile_along_the_heading(profile):
+    """Below each brick the chord over the brick, from where the house begins to where it ends."""
+    house, given = replace(read_house(BOX), heading=30), 1 / 500
+    layout = lay_out_house(house, ModelOptions(supports="bricks"))
+    heading = np.array([np.cos(np.radians(30)), 0.5])
+    low, high = outline(house.walls)
+    begins, length = low @ heading, (high - low) @ heading  # both parts of the heading are positive
+    end = Settlement(profile, given).displacement([1e3], layout.ground)[0]
+    bricks = [layout.contacts.second[layout.contacts.first == GROUND - k] for k in range(len(end))]
+    there = np.array([len(one) > 0 for one in bricks])
+    body = np.array([one[0] for one in bricks if len(one)])
+    along = np.abs(layout.space.of_body[body, 0, :2] @ heading)
+    width = along * layout.bodies.length[body] + np.sqrt(1 - along**2) * 0.2
+    middle = layout.space.centres(layout.bodies)[body, :2] @ heading - begins
+
+    def ground(x):
+        past, from_middle = np.maximum(x - length / 2, 0), 2 * x / length - 1
+        return (
+            given
+            * {
+                "knick": -past,
+                "tilt": -x,
+                "hogging": -length / 2 * from_middle**2,
+                "sagging": length / 2 * (from_middle**2 - 1),
+            }[profile]
+        )
+
+    before, after = ground(middle - width / 2), ground(middle + width / 2)
+    assert_allclose(end[there, 1], (before + after) / 2, atol=1e-8)
+    assert_allclose(end[there, 2], np.arctan((after - before) / width), atol=1e-8)
+    assert np.ptp(end[there, 1]) > 0.4 * given * length / 2
 
 
 def test_timber_floors_load_parallel_walls_by_half_their_spans_and_anchors_tie_them():

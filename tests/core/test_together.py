@@ -19,7 +19,19 @@ from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
 from damage.run.run import LOOK_STEPS
 
-SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--strength-cov", "0.3")
+SHAKEN = (
+    "--harmonic",
+    "0.05",
+    "0.8",
+    "--cycles",
+    "2",
+    "--rest",
+    "0",
+    "--strength-cov",
+    "0.3",
+    "--inputs",
+    "typical",
+)
 OTHERS = {
     3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
     4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
@@ -98,18 +110,24 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved
 
 
 def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
-    walls = [mock.Mock(**{"layout.strain": None}) for _ in range(8)]  # which have a hash
+    # which have a hash
+    walls = [mock.Mock(**{"layout.strain": None, "taken": 0}) for _ in range(8)]
 
-    def chosen(reacting):
-        groups = ensembles._chosen(
-            {wall: [70] if k < reacting else [70, 70] for k, wall in enumerate(walls)}
-        )
+    def chosen(*reacting):
+        asked = {wall: [70, 70] for wall in walls} | {
+            wall: [steps] for wall, steps in zip(walls, reacting)
+        }
+        groups = ensembles._chosen(asked)
         return [{walls.index(wall): steps for wall, steps in group.items()} for group in groups]
 
-    assert chosen(0) == [{k: [70, 70] for k in range(8)}]
-    assert chosen(2) == [{0: [70]}, {1: [70]}]
+    assert chosen() == [{k: [70, 70] for k in range(8)}]
+    assert chosen(70, 70) == [{0: [70]}, {1: [70]}]
     # eight lanes take no longer for eight walls than for five
-    assert chosen(5) == [{k: [70] for k in range(8)}]
+    assert chosen(*[70] * 5) == [{k: [70] if k < 5 else [70, 70] for k in range(8)}]
+    assert chosen(*range(66, 71)) == [{k: [66 + k]} for k in range(5)]
+    for wall, taken in zip(walls, range(8)):
+        wall.taken = taken
+    assert chosen(*range(66, 71)) == [{k: [66 + k] if k < 5 else [70, 70] for k in range(8)}]
 
 
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):

@@ -2,7 +2,6 @@
 
 import re
 from fnmatch import fnmatch
-from pathlib import Path
 
 from conftest import REPOSITORY, run_command
 
@@ -155,17 +154,3 @@ def test_seeded_faults_change_lines_that_are_there_and_name_tests_that_are():
     for fault in seeded_faults.FAULTS:
         assert fault.right in (REPOSITORY / fault.path).read_text(encoding="utf-8"), fault.what
         assert all(one_file(f"{name}.py") for name in fault.tests.split()), fault.what
-
-
-def test_longer_checks_are_listed():
-    files = {
-        path.name: path.read_text(encoding="utf-8")
-        for path in (REPOSITORY / "tests").rglob("test_*.py")
-    }
-    marked = {name for name, text in files.items() if re.search(r"mark\.long\b|= IN_BROWSER", text)}
-    text = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    table = re.search(r"\| longer checks \|\n((?:\|.*\n)+)", text)[1]
-    listed = set(
-        re.findall(r"`(test_\w+\.py)`", "".join(row.split("|")[1] for row in table.splitlines()))
-    )
-    assert marked - {Path(__file__).name} == listed

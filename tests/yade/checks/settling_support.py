@@ -13,14 +13,13 @@ if __name__ == "__main__":  # in YADE, which does not look here by itself
 
 from damage.law.modes import natural_modes
 from damage.run.schedule import sample_steps
-from damage.run.settings import RAMP_S
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Wall
 
-SETTLES_S, RESTS_S = 0.1, 0.4
+RAMP_S, SETTLES_S, RESTS_S = 0.1, 0.1, 0.4
 MOTION = 2e-4, -1e-3, 2e-3
 """Of the left support's reference point at the end [m, m, rad]."""
 

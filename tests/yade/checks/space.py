@@ -5,9 +5,11 @@ yade tests/yade/checks/space.py box                four walls stay symmetric
 yade tests/yade/checks/space.py corner 0.44 0.48   a dry front, toothed into two side walls, under
                                                    these horizontal accelerations [g] in turn
 yade tests/yade/checks/space.py tilt               a house turns with its ground
+yade tests/yade/checks/space.py numbers            what is read from YADE's memory
 yade tests/yade/checks/space.py bonded             the same with bonds: which fail first, and when
 yade tests/yade/checks/space.py ties               two blocks with a tie: share of a push, force at
                                                    which it pulls out or buckles, energy
+yade tests/yade/checks/space.py masonries          two dry blocks of other friction slide, or rest
 yade tests/yade/checks/space.py strip 5e4 0.96 1   a strip between floors bends out of plane, of
                                                    this tensile strength [Pa], under accelerations
                                                    [g], beside the plane model
@@ -37,6 +39,7 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.restraints import Restraint
 from damage.wall.ties import Ties
+from yade_scripts import memory
 from yade_scripts.solver import YadeSolver
 
 
@@ -46,10 +49,19 @@ def solver_of(house, options=None, share=1 / 3):
     return YadeSolver(layout, share * natural_modes(layout, 1).critical_time_step_s)
 
 
+def continued(solver, gravity):
+    """Another solver that takes over from the checkpoint of one; gravity [m/s2]."""
+    tables, other = solver.checkpoint(), YadeSolver(solver.layout, solver.time_step)
+    other.start(NO_MOTION, np.array([gravity]))
+    other.restore(tables)
+    return other
+
+
 def block():
     """Quarter period [s] of 0.1 x 1 m on two that are held, released from 0.4 of the angle at which
     it would fall, by YADE and by its equation of motion; and by how much the largest opening, out
-    of reach of the contacts at first, differs from thickness times angle [m]."""
+    of reach of the contacts at first, differs from thickness times angle [m].  Half-way another
+    solver takes over from a checkpoint: which contacts were out of reach then, and at the end."""
     thick, high = 0.1, 1.0
     brick = Brick(length=0.4, height=high, thickness=thick, young_modulus=1e14, shear_modulus=1e14)
     joint = Joint(1e11, 4e10, tensile_strength=0, cohesion=0)
@@ -77,7 +89,9 @@ def block():
         gaps.append(now.contacts["opening_m"].max() - thick * math.sin(angles[-1]))
         return angles[-1] > 0 or len(times) < 3
 
-    solver.advance(int(0.35 / O.dt), 10, look)
+    solver.advance(int(0.1 / O.dt), 10, look)
+    gone, solver = sorted(solver.model.gone), continued(solver, GRAVITY)
+    solver.advance(int(0.25 / O.dt), 10, look)
     quarter = np.interp(0.0, angles[:-3:-1], times[:-3:-1])
     radius = math.hypot(thick, high) / 2
     rate = 3 * GRAVITY / (4 * radius)  # m g R / I about the edge
@@ -87,7 +101,8 @@ def block():
         angle += step * speed
         exact += step
     gap = float(np.abs(gaps[2:]).max())
-    return {"quarter_s": float(quarter), "exact_s": exact, "gap_m": gap}
+    left = sorted(solver.model.gone)
+    return {"quarter_s": float(quarter), "exact_s": exact, "gap_m": gap, "gone": [gone, left]}
 
 
 def box():
@@ -149,10 +164,35 @@ def front_between(joint):
     )
 
 
+def numbers():
+    """Work of friction [J] of a dry front that slides for 150 steps, from YADE's memory and as of a
+    build that has other places; how many contacts are read there; whether their numbers are those
+    that Python gets; and whether an address of no memory is refused."""
+    house, found = front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)), {"alike": True}
+    for name in ("memory", "asked"):
+        solver = solver_of(house)
+        base = np.tile([1.5 * GRAVITY, 0.0, 0.0], (200, 1))
+        solver.start(base, np.array([GRAVITY]))
+        for _ in range(3):
+            solver.advance(50)
+            work = solver.model.work
+            joints = work.tables()[0]
+            depth, slid, force = work.numbers.read(joints)
+            for row, joint in enumerate(joints):
+                geom, phys = solver.scene.geometries[joint], solver.scene.physics[joint]
+                asked = [geom.penetrationDepth, *geom.shearInc, *phys.shearForce]
+                found["alike"] &= [depth[row], *slid[:, row], *force[:, row]] == asked
+        found[name] = work.total
+        found[f"views_{name}"] = sum(bool(work.numbers._views[joint]) for joint in joints)
+        memory._HELD = None
+    return found | {"refused": not memory._there(8, [0.0])}
+
+
 def tilt():
     """What bodies and joints of two walls below a slab are off a rigid rotation, which the ground
     and they have at first, about a place before the house and across its heading of 30 degrees:
-    displacement, and opening or shear, over the largest displacement [-]."""
+    displacement, and opening or shear, over the largest displacement [-]; another solver takes over
+    half-way."""
     brick = Brick(length=0.4, height=0.2, thickness=0.2)
     joint = Joint(tensile_strength=1e6, cohesion=1e6)
     common = {"length": 0.8, "height": 0.8, "precompression": 0, "brick": brick, "joint": joint}
@@ -173,10 +213,12 @@ def tilt():
     solver.start(NO_MOTION, np.zeros(1))
     ground = layout.ground.x
     solver.move_supports(np.column_stack([0 * ground, rate * ground, rate + 0 * ground]))
-    solver.advance(400)
+    solver.advance(200)
+    solver = continued(solver, 0.0)
+    solver.advance(200)
     expected = 400 * O.dt * np.cross(about, place - start)
-    moved = np.array([tuple(state.pos) for state in scene.states]) - place
-    opening, shear = scene.displacements(np.arange(layout.n_joints), solver._supports)
+    moved = np.array([tuple(state.pos) for state in solver.scene.states]) - place
+    opening, shear = solver.scene.displacements(np.arange(layout.n_joints), solver._supports)
     largest = np.abs(expected).max()
     return {
         "moved": float(np.abs(moved - expected).max() / largest),
@@ -363,6 +405,29 @@ def leaves(share=1 / 3):
     return solver_of(House("leaves", walls, ties=[ties]), share=share), compliance
 
 
+def masonries():
+    """How far [mm] two dry blocks with a friction of 0.4 and 0.6 slide in 0.2 s under 0.5 g, and
+    the one with less by hand."""
+    size, walls = {"length": 0.4, "height": 0.2, "precompression": 0}, []
+    for y, friction in ((0, 0.6), (1, 0.4)):
+        joint = Joint(1e10, 4e9, math.atan(friction), tensile_strength=0, cohesion=0)
+        brick = Brick(0.4, 0.2, 0.2, density=4000 * friction)
+        walls.append(Placed(Wall(f"block-{y}", brick=brick, joint=joint, **size), (0, y)))
+    solver = solver_of(House("masonries", walls))
+    solver.damp(local=0.7)
+    solver.start(NO_MOTION, np.array([GRAVITY]))
+    solver.advance(int(0.02 / O.dt))
+    solver.damp()
+    steps = round(0.2 / O.dt)
+    base = np.zeros((steps, 3))
+    base[:, 0] = 0.5 * GRAVITY
+    solver.start(base, np.array([GRAVITY]))
+    before = solver.scene.motion()[:, 0]
+    solver.advance(steps)
+    moved = 1e3 * (before - solver.scene.motion()[:, 0])
+    return {"moved_mm": moved.tolist(), "exact_mm": 1e3 * 0.5 * 0.1 * GRAVITY * 0.2**2}
+
+
 TIE_N_M = 1e7
 
 
@@ -405,7 +470,9 @@ CHECKS = {
     "box": box,
     "corner": corner,
     "bonded": bonded,
+    "masonries": masonries,
     "strip": strip,
+    "numbers": numbers,
     "ties": ties,
     "tilt": tilt,
 }

@@ -10,10 +10,9 @@ from damage.run.session import check, plan_of
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 
-TOGETHER, ALONE = (2e7, 1.5e8), (8e6, 3e7)
-"""Contact points times steps that a process takes in a second, of walls that crack much and that
-crack little: of eight walls as stiff as each other that step together, and of walls one by one,
-whose stiffness is drawn."""
+RATES = 2e7, 1.5e8
+"""Contact points times steps that a process takes in a second, of eight walls that step together:
+of walls that crack much and that crack little."""
 STATIC_S = 1.0
 """What a run takes to come to rest before time zero, about [s]."""
 OVERHEAD = 500
@@ -24,17 +23,15 @@ LIVES = 8
 
 @dataclass(frozen=True)
 class Size:
-    """contact_points: of the wall; steps: of a draw, by both of its runs, on average; alone:
-    whether its walls step one by one."""
+    """contact_points: of the wall; steps: of a draw, by both of its runs, on average."""
 
     contact_points: int
     steps: float
-    alone: bool
 
     def minutes(self, draws, jobs):
         """Least and most of so many draws in so many processes [min]."""
         work = (self.contact_points + OVERHEAD) * self.steps * draws / jobs / 60
-        return [max(1.0, work / rate) for rate in reversed(ALONE if self.alone else TOGETHER)]
+        return [max(1.0, work / rate) for rate in reversed(RATES)]
 
     def describe(self, draws, jobs):
         """So many draws in words, in so many processes."""
@@ -53,7 +50,7 @@ def size_of(study):
         wall = in_units(load_wall(run.wall), settings[0].units)
         plan = plan_of(BACKEND, wall, check(BACKEND, wall, settings[0]))
         steps += (STATIC_S + np.mean([one.duration_s for one in settings])) / plan.time_step
-    return Size(plan.layout.n_joints, float(steps), settings[0].model.inputs != "given")
+    return Size(plan.layout.n_joints, float(steps))
 
 
 def two_digits(value):
