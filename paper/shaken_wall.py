@@ -520,10 +520,10 @@ def coverage(folder):
 # --- choices --------------------------------------------------------------------------------------
 
 CHOICES = {
-    "as chosen": {},
-    "play 3 mm": {"play": 3e-3},
+    "as predicted": {},
+    "play 10 mm": {"play": 10e-3},
     "top driven": {"stiffness": None},
-    "load 10.35 kN": {"load_n": 10.35e3},
+    "load 27 kN": {"load_n": 27e3},
     "brittle joints": {"softens": False},
     "5 % damping": {"damping": 0.05},
     "friction 0.3": {"friction": 0.3},
@@ -538,13 +538,13 @@ EC40_RUNS = range(1, 13)
 
 
 def choices(folder):
-    """What each choice changes with the later bearing: five of the runs in sequence, the first
+    """What each choice changes with the first bearing: five of the runs in sequence, the first
     draw; and runs 1 to 12 with and without motions like EC40."""
     runs = read_runs(folder)
     events, numbers = events_of(folder, runs.loc[list(CHOICE_RUNS)])
     seeds, rows = [1], []
     for name, change in CHOICES.items():
-        of_runs = quantiles(draws_of({name: chosen()._replace(**change)}, events, seeds, numbers))
+        of_runs = quantiles(draws_of({name: Case()._replace(**change)}, events, seeds, numbers))
         rows.append(
             {
                 "choice": name,
@@ -566,7 +566,7 @@ def choices(folder):
             "us1_choices",
         )
     tables = {
-        with_them: quantiles(draws_of({"later": chosen()}, found[0], seeds, found[1]))[
+        with_them: quantiles(draws_of({"prediction": Case()}, found[0], seeds, found[1]))[
             "peak_mm_2060_50"
         ]
         for with_them in (False, True)
@@ -654,11 +654,11 @@ OPTIONS = (
 
 
 def solvers(folder):
-    """Run 21 alone, brittle joints: eight draws in the reference solver; the first of them in YADE,
-    with its own time step and with one of 40 microseconds."""
+    """Run 21 alone with the first bearing, brittle joints: eight draws in the reference solver; the
+    first of them in YADE, with its own time step and with one of 40 microseconds."""
     runs = read_runs(folder)
     (event,), _ = events_of(folder, runs.loc[[21]])
-    wall, rows = fitted(chosen()._replace(softens=False)), []
+    wall, rows = fitted(Case(softens=False)), []
     with TemporaryDirectory() as made:
         bench, motion = Bench(Path(made)), Path(made) / "run.csv"
         write_csv(scaled(event.loading.record, event.factor), motion, [])

@@ -6,11 +6,16 @@ load of `multiplier` times each weight in the frame of the base.  The load rises
 held there until the wall is at rest or keeps accelerating.  Bisection between a stable and an
 unstable level gives the multiplier.  At rest all accelerations are nil, so that it depends neither
 on the speed of loading nor on the damping, except through the path of the slips.
+
+`find_by_falls` finds the multiplier without waiting for rest: the centre of mass of a wall that
+falls under a constant load speeds up, x'' = a (multiplier - c) + k x, by what exceeds the collapse
+c, and by its lean; one that creeps or sways does not.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from damage.law.modes import natural_modes
 from damage.reference.wall import ReferenceWall
@@ -28,6 +33,9 @@ away:
 just above its multiplier a wall of many blocks collapses slowly, held back by the damping of its
 rattling."""
 
+LOADED, LEVELS = 0.98, (1.02, 1.05, 1.08)  # parts of the multiplier that `falls_of` begins at
+REACH_M, FALL_S, SAMPLE_S = 0.02, 1.6, 5e-3
+"""How far blocks move in a fall, how long it lasts at most, and how often it is sampled."""
 
 DAMPING, BETA = 0.3, 0.3
 """Cundall's damping [-], and stiffness-proportional damping in time steps.  Cundall's alone takes
@@ -96,6 +104,47 @@ def raise_to(wall, start, level, rate_per_s):
     wall.start(_base(np.linspace(start, level, ramp + 1)))
     wall.run(ramp)
     return _hold(wall, level)
+
+
+def falls_of(layout, near):
+    """Falls as of `find_by_falls` without damping, from rest at LOADED times `near`, at LEVELS
+    times it."""
+    wall, weight = settled_wall(layout), layout.bodies.mass / layout.bodies.mass.sum()
+    raise_to(wall, 0.0, LOADED * near, 0.2)
+    wall.local_damping = 0.0
+    rest, found = [array.copy() for array in wall.system], []
+    steps = round(SAMPLE_S / wall.time_step)
+    for level in near * np.array(LEVELS):
+        for array, old in zip(wall.system, rest):
+            array[:] = old
+        ramp = round(0.1 / wall.time_step)
+        wall.start(_base(np.linspace(LOADED * near, level, ramp + 1)))
+        wall.run(ramp)
+        places = [wall.displacement]
+        while _largest(places[-1] - places[0]) < REACH_M and len(places) < FALL_S / SAMPLE_S:
+            wall.start(_base(np.full(steps, level)))
+            wall.run(steps)
+            places.append(wall.displacement)
+        moved = (np.array(places) - places[0])[:, :, 0] @ weight
+        found.append((level, steps * wall.time_step * np.arange(len(moved)), moved))
+    return found
+
+
+def find_by_falls(falls):
+    """The multiplier c of the least squares of x = x0 + v0 t + a (multiplier - c) t^2 / 2 + k times
+    the second integral of x; None where a is not positive: they do not speed up by the load.
+
+    falls: (multiplier, times since it was reached [s], displacements of the centre of mass [m])."""
+    rows = []
+    for number, (level, time_s, x) in enumerate(falls):
+        own = np.zeros((len(time_s), 2 * len(falls)))
+        own[:, 2 * number], own[:, 2 * number + 1] = 1.0, time_s
+        twice = cumulative_trapezoid(cumulative_trapezoid(x, time_s, initial=0), time_s, initial=0)
+        square = np.square(time_s) / 2
+        rows.append(np.column_stack([level * square, -square, twice, own]))
+    moved = np.concatenate([x for _, _, x in falls])
+    a, a_times_c = np.linalg.lstsq(np.vstack(rows), moved, rcond=None)[0][:2]
+    return float(a_times_c / a) if a > 0 else None
 
 
 def _hold(wall, level=0.0):

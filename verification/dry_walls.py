@@ -26,7 +26,14 @@ from damage.wall.kinds import HEAD
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
-from verification.collapse import Bracket, collapse_multiplier
+from verification.collapse import (
+    LEVELS,
+    REACH_M,
+    Bracket,
+    collapse_multiplier,
+    falls_of,
+    find_by_falls,
+)
 from verification.limit_analysis import Collapse, collapse_load
 
 FRICTION = 0.65
@@ -48,13 +55,15 @@ part of it."""
 @dataclass(frozen=True)
 class Result:
     """Of one wall: the programme's bound; the same at friction +-0.05, as parts of it; the
-    bound with smooth head joints; the solver's bracket; what `ask` gives."""
+    bound with smooth head joints; the solver's bracket, and its multiplier by falls; what `ask`
+    gives."""
 
     layout: object
     bound: Collapse
     sensitivity: float
     smooth_heads: float
     solver: Bracket
+    by_falls: float | None
     witnesses: dict | None = None
 
     @property
@@ -130,22 +139,26 @@ def examine(name, **options):
     bound = collapse_load(layout)
     sides = [collapse_load(layout, FRICTION + change).multiplier for change in (-0.05, 0.05)]
     smooth = np.where(layout.contacts.kind == HEAD, 0.0, FRICTION)
+    solver = collapse_multiplier(layout, 1.05 * bound.multiplier, **options)
     return Result(
         layout,
         bound,
         max(abs(side / bound.multiplier - 1) for side in sides),
         collapse_load(layout, smooth).multiplier,
-        collapse_multiplier(layout, 1.05 * bound.multiplier, **options),
+        solver,
+        find_by_falls(falls_of(layout, solver.multiplier)),
     )
 
 
 def ask(python, result):
-    """What `verification/witnesses.py` finds of a Result, in another interpreter."""
+    """What `verification/witnesses.py` finds of a Result, in another interpreter: {program:
+    multiplier}, LMGC90's by falls."""
     bodies = result.layout.bodies
     wall = {
         "friction": FRICTION,
         "thickness": BLOCK.thickness,
-        "start": result.solver.multiplier,
+        "levels": [level * result.solver.multiplier for level in LEVELS],
+        "reach": REACH_M,
         "blocks": np.column_stack([bodies.x, bodies.z, bodies.length, bodies.height]).tolist(),
     }
     script = Path(__file__).with_name("witnesses.py")
@@ -155,7 +168,9 @@ def ask(python, result):
             f"{python} {script.name} failed: {done.stderr.splitlines()[-1:]}; install what its"
             " docstring names"
         )
-    return json.loads(done.stdout.splitlines()[-1])
+    found = json.loads(done.stdout.splitlines()[-1])
+    falls = [(level, np.array(time_s), np.array(x)) for level, time_s, x in found["lmgc90"]]
+    return found | {"lmgc90": find_by_falls(falls)}
 
 
 def table(results):
@@ -163,19 +178,20 @@ def table(results):
     rows = [
         (
             "| wall | blocks | bound (LP) | at friction ±0.05 | with smooth head joints | solver |"
-            " of the bound | tips by hand | LMGC90 | to the solver | compas_cra, bound |"
+            " of the bound | by falls | tips by hand | LMGC90, by falls | to the solver |"
+            " compas_cra, bound |"
         ),
-        "|" + " --- |" * 11,
+        "|" + " --- |" * 12,
     ]
     for name, result in results.items():
         note = f", published {PUBLISHED[name]:g}" if name in PUBLISHED else ""
         governs = ": governs" if result.friction_governs else ""
-        tips = "" if result.tipping is None else f"{result.tipping:.4f}"
         rows.append(
             f"| {name}{note} | {result.layout.n_bricks} | {result.bound.multiplier:.4f} |"
             f" ±{100 * result.sensitivity:.1f} %{governs} | {result.smooth_heads:.4f} |"
             f" {result.solver.stable:.4f} to {result.solver.unstable:.4f} |"
-            f" {100 * result.ratio:.1f} % | {tips} |{_witnesses(result)}"
+            f" {100 * result.ratio:.1f} % | {_cell(result.by_falls)} | {_cell(result.tipping)} |"
+            + _witnesses(result)
         )
     return "\n".join(rows)
 
@@ -184,12 +200,13 @@ def _witnesses(result):
     """Cells of the witnesses, empty where they were not asked."""
     if not result.witnesses:
         return "  |  |  |"
-    stands, falls = result.witnesses["lmgc90"]
-    apart = (stands + falls) / 2 / result.solver.multiplier - 1
-    return (
-        f" {stands:.4f} to {falls:.4f} | {100 * apart:+.1f} % |"
-        f" {result.witnesses['compas_cra']:.4f} |"
-    )
+    lmgc90 = result.witnesses["lmgc90"]
+    apart = "" if lmgc90 is None else f"{100 * (lmgc90 / result.solver.multiplier - 1):+.1f} %"
+    return f" {_cell(lmgc90)} | {apart} | {result.witnesses['compas_cra']:.4f} |"
+
+
+def _cell(multiplier):
+    return "" if multiplier is None else f"{multiplier:.4f}"
 
 
 REACH = 0.12  # of the wall's height: how far the largest displacement is drawn

@@ -13,7 +13,7 @@ from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
-from verification.collapse import collapse_multiplier
+from verification.collapse import collapse_multiplier, falls_of, find_by_falls
 from verification.dry_walls import FRICTION, OPTIONS, PUBLISHED, WALLS, ask, examine, lay, main
 from verification.limit_analysis import balance, body_load, collapse_load, flow, top_load
 
@@ -113,10 +113,10 @@ class TestTheProgramme:
 class TestTheSolver:
     @pytest.mark.parametrize("friction, height, expected", [(0.5, 0.2, 0.5), (1.0, 0.8, 0.5)])
     def test_a_block_slides_or_tips_as_by_hand(self, friction, height, expected):
-        found = collapse_multiplier(
-            stack(1, friction, height=height), 1.2 * expected, tolerance=2e-3
-        )
+        layout = stack(1, friction, height=height)
+        found = collapse_multiplier(layout, 1.2 * expected, tolerance=2e-3)
         assert_allclose(found.multiplier, expected, rtol=2e-3)
+        assert_allclose(find_by_falls(falls_of(layout, expected)), expected, rtol=2e-3)
 
     def test_the_benchmark_falls_at_its_multiplier(self):
         """Within 1 % of the published multiplier, and not above the bound."""
@@ -139,12 +139,12 @@ class TestTheSolver:
 
 @pytest.mark.long
 def test_other_programs_agree_on_the_benchmark(tmp_path):
-    """LMGC90's collapse within 1 % of the solver's, compas_cra's bound that of the programme."""
+    """LMGC90's collapse within 2 % of the solver's, compas_cra's bound that of the programme."""
     packages = "compas-lmgc90==0.1.11", "compas_cra==0.8.0", "compas_assembly==0.7.1"
     with environment(*packages, needs=("compas==2.15.1", "scipy", "shapely")) as python:
         result = examine("benchmark")
         found = ask(python, result)
-    assert_allclose(found["lmgc90"], result.solver.multiplier, rtol=0.01)
+    assert_allclose(found["lmgc90"], result.solver.multiplier, rtol=0.02)
     assert_allclose(found["compas_cra"], result.bound.multiplier, rtol=1e-6)
 
 

@@ -2,8 +2,9 @@
 
     yade tests/yade/checks/briefly.py SETTLE_S=0.02 WALL [OPTIONS]
 
-The first words set constants of damage.run.settings [s].  KILLED_AT=0.05 or INTERRUPTED_AT=0.05
-ends the run after a checkpoint of this time of the run or later [s]; one is written at every look.
+The first words set constants of damage.run.settings and damage.motion.settlement [s].
+KILLED_AT=0.05 or INTERRUPTED_AT=0.05 ends the run after a checkpoint of this time of the run or
+later [s]; one is written at every look.
 """
 
 import os
@@ -18,6 +19,7 @@ from damage.start import begin
 
 begin(YADE)  # before the slow imports, as yade_scripts.run does it
 
+from damage.motion import settlement
 from damage.run import settings
 from damage.run.checkpoint import Checkpoints
 
@@ -45,7 +47,12 @@ while "=" in sys.argv[0]:
         end_at(float(value), SIGNALS[name])
     elif name in {"RAMP_S", "HOLD_S", "SETTLE_S"}:
         setattr(settings, name, float(value))
+    elif name == "SHORTEST_S":
+        settlement.SHORTEST_S = float(value)
     else:
-        sys.exit(f"error: {name}: expected RAMP_S, HOLD_S, SETTLE_S, KILLED_AT or INTERRUPTED_AT")
+        sys.exit(
+            f"error: {name}: expected RAMP_S, HOLD_S, SETTLE_S, SHORTEST_S, KILLED_AT or"
+            " INTERRUPTED_AT"
+        )
 # as YADE runs a script: in its own __main__
 exec(compile(Path(sys.argv[0]).read_text(), sys.argv[0], "exec"))
