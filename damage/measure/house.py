@@ -170,7 +170,7 @@ def describe(found):
         residual = "-" if one["residual"] is None else f"{one['residual']['DI']:.3f}"
         drift = [100 * one[f"max_drift_{way}ratio"] for way in ("", "across_")]
         cracks = [one[f"max_{name}"] for name in ("psi_outside", "psi_inside", "crack_width_mm")]
-        numbers = [rounded(value, 3) for value in drift] + [rounded(value, 2) for value in cracks]
+        numbers = [f"{value:.3f}" for value in drift] + [rounded(value, 2) for value in cracks]
         lines.append(
             f"{name[:19]:20s}{one['max']['DI']:8.3f}{residual:>9s}"
             + "{:>8s}{:>8s}{:>8s}{:>7s}{:>8s}".format(*numbers)
