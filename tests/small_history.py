@@ -95,7 +95,7 @@ def make_history(
     if layout.space:
         n_walls = len(layout.space.left)
         rows = {name: np.zeros(n_walls) for name in HOUSE} | (house or {})
-        rows["base_acceleration_m_s2"] = 0.0
+        rows |= {"base_acceleration_m_s2": 0.0, "failed_ties": 0}
         ground |= {f"house/{name}": np.array([values]) for name, values in rows.items()}
     n_moves = 6 if layout.space else 3
     for k, stage in enumerate(stages):

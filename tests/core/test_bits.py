@@ -8,7 +8,6 @@ import pytest
 from conftest import REPOSITORY
 
 import damage
-from damage.law.joint_law import material_of
 from damage.mechanics.build import build
 from damage.motion.loading import Harmonic, Recorded
 from damage.motion.record import Record
@@ -72,7 +71,7 @@ def base_of(loading):
 
 def tables_of(wall, **options):
     """What a step works on of a wall, bytes."""
-    tables = build(lay_out(wall, ModelOptions(**options)), material_of(wall.joint))
+    tables = build(lay_out(wall, ModelOptions(**options)))
     return [np.asarray(one).tobytes() for one in tables if one is not None]
 
 
