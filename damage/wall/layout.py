@@ -400,7 +400,7 @@ def _make_bodies(plan, options):
             length,
             height,
             mass,
-            mass * (length * length + height * height) / 12,
+            _inertia(mass, length, height),
             course,
         ),
     )
@@ -472,9 +472,14 @@ def _with_caps(plan, options, bodies, top_mass):
     )
 
 
+def _inertia(mass, length, height):
+    """Moment of inertia of blocks about their centres [kg m2]."""
+    return mass * (length * length + height * height) / 12
+
+
 def _joined(bodies, x, z, length, height, mass, course):
-    """Bodies, and behind them blocks with I = m (w^2 + h^2) / 12."""
-    inertia = mass * (length * length + height * height) / 12
+    """Bodies, and behind them blocks."""
+    inertia = _inertia(mass, length, height)
     added = np.broadcast_arrays(*map(np.atleast_1d, (x, z, length, height, mass, inertia, course)))
     return Bodies(*map(np.append, vars(bodies).values(), added))
 
