@@ -70,8 +70,12 @@ class Space:
 
     @cached_property
     def inner(self):
-        """Of each contact point of a joint those beside it towards its middle, itself where it is
-        there, (n_contacts, 2)."""
+        """Rows of the contact points beside each one, towards the middle of its joint; its own row
+        in the middle, (n_contacts, 2).
+
+        A joint of a wall has three points in a row, through the thickness; one between two walls
+        has three such rows.
+        """
         between, own = self.joint_wall < 0, np.arange(len(self.joint_wall))
         row, place = np.divmod(own - np.where(between, self.joint_wall.argmin(), 0), 3)
         return np.column_stack([own + 1 - place, own + np.where(between, 3 * (1 - row % 3), 0)])
