@@ -593,7 +593,7 @@ def ends_too(n, tables, loose, p, step, motion):
     if loose is None:
         return False
     interface, failed = tables.interfaces[p], load(n, tables.limits, p, HAS_FAILED)
-    least = motion.opening - springs_of(n, tables, p).reach * abs(motion.rotation)
+    least = motion.opening - springs_of(n, tables, p, True).reach * abs(motion.rotation)
     if failed == FAILED and least > 2.0 * loose.touch.radius:
         return True
     if failed < ENDING and is_turned(motion) and corner_inside(n, tables, loose, interface):

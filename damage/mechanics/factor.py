@@ -32,9 +32,9 @@ def matrix_of(masses, width):
     more = {"room": aligned_zeros(len(matrix.body), 2 * LOST, width)}
     if len({mass.key for mass in masses}) > 1:
         for name in ("lower", "diagonal", "inverse"):
-            more[name] = aligned_zeros(*getattr(matrix, name).shape, width)
+            more[name] = aligned_zeros(*getattr(matrix, name).shape[:2], width)
             for w, mass in enumerate(masses):
-                more[name][..., w] = getattr(mass.matrix, name)
+                more[name][..., w] = getattr(mass.matrix, name)[..., 0]
     return matrix._replace(**more)
 
 
@@ -63,9 +63,9 @@ class ScaledMass:
             count=np.tile(count, len(order)),
             start=start.astype(ROW),
             below=factor.below.astype(ROW),
-            lower=factor.lower.reshape(-1, 9),
-            diagonal=np.concatenate([factor.diagonal, MASSLESS * at_rest]).reshape(-1, 9),
-            inverse=np.concatenate([factor.inverse, at_rest / MASSLESS]).reshape(-1, 9),
+            lower=factor.lower.reshape(-1, 9, 1),
+            diagonal=np.concatenate([factor.diagonal, MASSLESS * at_rest]).reshape(-1, 9, 1),
+            inverse=np.concatenate([factor.inverse, at_rest / MASSLESS]).reshape(-1, 9, 1),
             room=np.zeros((0, 0, 1)),
         )
 

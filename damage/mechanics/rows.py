@@ -1,6 +1,5 @@
 """Rows of the tables as records, by the names of their fields, and the coordinates of a body."""
 
-from numba import types
 from numba.extending import overload
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
@@ -15,12 +14,15 @@ from damage.mechanics.interfaces import (
     Springs,
 )
 from damage.mechanics.simd import (
+    Eight,
     add,
     add_three,
     column,
     either,
+    filled,
     four,
     in_blocks,
+    lanes,
     load,
     reader,
     writer,
@@ -82,23 +84,29 @@ def line_of(n, tables, p):
 
 
 @inlined
-def springs_of(n, tables, p):
-    """Springs of interface p, or of eight from there on."""
-    return springs_at(n, tables.lines, tables.unlike, p)
+def are_alike(n, tables):
+    """Whether all walls have the same springs."""
+    return lanes(n) == 1 or tables.alike
 
 
-def springs_at(n, lines, unlike, p):
-    """`springs_of`; lines, unlike: of Tables."""
-    if unlike is None:
-        return shared_in(in_blocks(n, p), lines, p // PARTS)
-    return springs_in(n, unlike, p)
+def springs_of(n, tables, p, alike):
+    """Springs of interface p, or of eight from there on; alike: `are_alike`."""
+    if alike:
+        return shared_in(in_blocks(n, p), tables.lines, p // PARTS)
+    return springs_in(n, tables.springs, p)
 
 
-@overload(springs_at)
-def _springs_at(n, lines, unlike, p):
-    if unlike == types.none:
-        return lambda n, lines, unlike, p: shared_in(in_blocks(n, p), lines, p // PARTS)
-    return lambda n, lines, unlike, p: springs_in(n, unlike, p)
+@overload(springs_of)
+def _springs_of(n, tables, p, alike):
+    def of_one(n, tables, p, alike):
+        return shared_in(in_blocks(n, p), tables.lines, p // PARTS)
+
+    def of_eight(n, tables, p, alike):
+        if alike:
+            return filled(n, shared_in(in_blocks(n, p), tables.lines, p // PARTS))
+        return springs_in(n, tables.springs, p)
+
+    return of_eight if n.instance_class is Eight else of_one
 
 
 @inlined

@@ -26,7 +26,6 @@ from numba.core import cgutils
 from numba.extending import (
     lower_builtin,
     models,
-    overload,
     register_jitable,
     register_model,
     type_callable,
@@ -120,14 +119,23 @@ def store_where(n, table, row, field, which, value):
     store(n, table, row, field, either(which, value, load(n, table, row, field)))
 
 
+@register_jitable
 def of_each(n, table, row, field):
-    """As `load`, also of a table (rows, fields) that all walls share: a number."""
-    return table[row, field] if table.ndim == 2 else load(n, table, row, field)
+    """As `load`, also of a table of one wall that all walls share."""
+    if table.shape[2] == 1:
+        return filled(n, table[row, field, 0])
+    return load(n, table, row, field)
 
 
+def filled(n, value):
+    """A number in all lanes of a width; compiled, also the numbers of a NamedTuple."""
+    return np.full(WIDTH, value) if is_wide(n) else value
+
+
+@register_jitable
 def zero(n):
     """The number zero, or a vector of zeros."""
-    return np.zeros(WIDTH) if is_wide(n) else 0.0
+    return filled(n, 0.0)
 
 
 def flags_of(n, whole):
@@ -368,11 +376,20 @@ def _flags_of(_context, builder, signature, values):
     return builder.trunc(values[1], _FLAG)
 
 
-@_compiles(zero, _numbers)
-def _zero(_context, builder, signature, values):
-    return (
-        _spread(builder, types.float64, _REAL(0.0)) if _is_wide(signature.args[0]) else _REAL(0.0)
-    )
+def _filled_type(n, value):
+    if isinstance(value, types.BaseTuple):
+        return types.BaseTuple.from_types([_numbers(n)] * len(value), value.instance_class)
+    return _numbers(n)
+
+
+@_compiles(filled, _filled_type)
+def _filled(context, builder, signature, values):
+    n, kind = signature.args
+    if not isinstance(kind, types.BaseTuple):
+        return _value(context, builder, n, kind, values[1])
+    numbers = cgutils.unpack_tuple(builder, values[1])
+    parts = [_value(context, builder, n, one, number) for one, number in zip(kind, numbers)]
+    return context.make_tuple(builder, signature.return_type, parts)
 
 
 @_compiles(lanes, lambda n: types.intp)
@@ -467,17 +484,6 @@ def _value(context, builder, n, kind, value):
 @_compiles(load, lambda n, table, row, field: _numbers(n))
 def _load(context, builder, signature, values):
     return builder.load(_pointer(context, builder, signature, values), align=8)
-
-
-@overload(of_each)
-def _of_each(n, table, row, field):
-    def of_all(n, table, row, field):
-        return table[row, field]
-
-    def of_wall(n, table, row, field):
-        return load(n, table, row, field)
-
-    return of_all if table.ndim == 2 else of_wall
 
 
 @_compiles(store, lambda n, table, row, field, value: types.none)

@@ -313,25 +313,30 @@ def forces_of_springs(n, tables, loose, asked):
 def forces_of_undamped(n, tables, loose, ending):
     """`forces_of_intact` without damping, compiled apart: a branch inside would need too many
     registers."""
-    return forces_of_intact(widest(n), tables, loose, ending, False)
+    if rows.are_alike(n, tables):
+        return forces_of_intact(widest(n), tables, loose, ending, False, True)
+    return forces_of_intact(widest(n), tables, loose, ending, False, False)
 
 
 @compiled
 def forces_of_damped(n, tables, loose, ending):
     """`forces_of_intact` with damping."""
-    return forces_of_intact(widest(n), tables, loose, ending, True)
+    if rows.are_alike(n, tables):
+        return forces_of_intact(widest(n), tables, loose, ending, True, True)
+    return forces_of_intact(widest(n), tables, loose, ending, True, False)
 
 
 @inlined
-def forces_of_intact(n, tables, loose, ending, damped):
+def forces_of_intact(n, tables, loose, ending, damped, alike):
     """Add the forces of intact interfaces, but in the walls `ending` (bits); returns whether there
     are others.
 
-    n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall.
+    n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall; alike: of
+    `damage.mechanics.rows.are_alike`.
     """
     everyone, any_other = (1 << lanes(n)) - 1, 0
     for p in range(0, len(tables.others), rows_of(n)):
-        springs = rows.springs_of(n, tables, p)
+        springs = rows.springs_of(n, tables, p, alike)
         frame, motion = moved(n, tables, p)
         intact = interfaces.stays_intact(springs, rows.limits_of(n, tables.limits, p), motion)
         if ending:
@@ -478,7 +483,8 @@ def forces_of_points(n, tables, model, asked, points, motion, here):
         resultant, elastic = contacts.elastic_resultant(n, tables, points, motion, lives)
     beyond = here & ~bits(elastic)
     if beyond:
-        springs, limits = rows.springs_of(n, tables, p), rows.limits_of(n, tables.limits, p)
+        springs = rows.springs_of(n, tables, p, rows.are_alike(n, tables))
+        limits = rows.limits_of(n, tables.limits, p)
         beyond &= ~bits(interfaces.stays_intact(springs, limits, motion))
     if not simple:
         contacts.remember(n, tables, points, motion, flags_of(n, here & ~beyond))

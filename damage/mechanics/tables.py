@@ -195,7 +195,7 @@ class Tables(
         "Tables",
         "bodies inertia interfaces limits contacts strengths states readings energy events values"
         " n_events relaxation last turning beam bearings radiation springs material radiates bench"
-        " sums others used lines unlike first second every",
+        " sums others used lines alike first second every",
     )
 ):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
@@ -204,8 +204,8 @@ class Tables(
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
     each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
     first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
-    eight interfaces, LINES, 8), copied by `copy_lines`; unlike: None where all walls have the
-    `springs` of `lines`, else these of each; radiates: whether `radiation` is used.  It has rows in
+    eight interfaces, LINES, 8), copied by `copy_lines`; alike: whether all walls have the
+    `springs` of `lines`; radiates: whether `radiation` is used.  It has rows in
     any case, so that its layout, and with it the type of Tables, is always the same.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
@@ -219,7 +219,7 @@ class Tables(
 
 
 SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
-WORK = "radiates", "bench", "sums", "others", "used", "lines", "unlike", "first", "second", "every"
+WORK = "radiates", "bench", "sums", "others", "used", "lines", "alike", "first", "second", "every"
 
 
 def make_tables(
@@ -271,7 +271,7 @@ def make_tables(
         others=np.zeros(p, np.uint8),
         used=np.zeros(c, np.uint8),
         lines=aligned_zeros(blocks, len(LINES), 8),
-        unlike=None,
+        alike=True,
         first=first,
         second=second,
         every=np.arange(up(n_bodies), dtype=INDEX),
@@ -324,8 +324,7 @@ def join(members):
     for table in (new.springs, new.strengths):  # places that no wall takes
         table[..., len(members) :] = table[..., :1]
     copy_lines(new)
-    alike = len(members) == 1 or (new.springs == new.springs[..., :1]).all()
-    return new if alike else new._replace(unlike=new.springs)
+    return new._replace(alike=bool((new.springs == new.springs[..., :1]).all()))
 
 
 def system_of(tables, w):
@@ -407,7 +406,7 @@ class Matrix(NamedTuple):
     body, first, count: (nodes,) row of its body, the first of its coordinates and their number;
     start: (nodes + 1,) first block of each column of L; below: (blocks,) node of each block's row;
     lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of D, zero where massless
-    and prescribed, and of its inverse; all three (..., W) where walls differ;
+    and prescribed, and of its inverse; all three (..., W), (..., 1) where all walls have the same;
     room: (nodes, 6, W) work array.
     """
 
