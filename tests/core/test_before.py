@@ -51,7 +51,7 @@ def halves(folder, wall, **options):
             ),
             {"mass_scaling": "none"},
         ),  # else each half is accepted, or repeated, by itself
-        (
+        pytest.param(
             Wall(
                 "fibres",
                 1.125,
@@ -61,6 +61,7 @@ def halves(folder, wall, **options):
                 lintel="courses",
             ),
             {"fibres": 8, "beta": 0.0},
+            marks=pytest.mark.long,
         ),
     ],
     ids=["brittle", "settled", "soft", "fibres"],

@@ -19,7 +19,6 @@ from verification.problem import Problem
 
 PROBLEMS = {problem.name: problem for problem in all_problems()}
 QUICK_IN_YADE = (
-    "free fall",
     "incline of 40°",
     "stack of ten bricks",
     "crushed column",

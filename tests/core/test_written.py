@@ -169,6 +169,7 @@ class TestFullDisk:
         assert damage.read_history(tmp_path / "run.h5").complete
 
     @ROOT
+    @pytest.mark.long
     def test_a_study_ends_in_a_line_and_goes_on_with_room(self, tmp_path):
         study = written(tmp_path / "s.toml", STUDY)
         wall_file(tmp_path / "tiny.py", TINY)

@@ -94,6 +94,7 @@ def test_damping_that_closes_yades_balance_is_lost_energy(runs):
     assert summarise(histories["reference"])["energy_error_fraction"] < 1e-3
 
 
+@pytest.mark.long
 def test_joints_that_soften_do_so_alike(tmp_path, in_both):
     """As 16 fibres in both; by itself YADE takes as many, and 0.35 of the critical step."""
     wall = wall_file(tmp_path / "panel.py", SOFT)

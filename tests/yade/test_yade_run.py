@@ -35,14 +35,9 @@ def small_wall(tmp_path_factory):
     return wall_file(tmp_path_factory.mktemp("walls") / "small.py", PIER)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    "words",
-    [
-        (),
-        pytest.param(("--contacts", "corners"), marks=pytest.mark.long),
-        pytest.param(("--contacts", "gauss"), marks=pytest.mark.long),
-    ],
-    ids="".join,
+    "words", [(), ("--contacts", "corners"), ("--contacts", "gauss")], ids="".join
 )
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path, words):
     """Bricks of unequal size, at rest under their weight before they are kicked, and unbroken."""
@@ -216,6 +211,7 @@ def test_interrupt_leaves_a_readable_history(ended):
 SPANDREL = "Wall('spandrel', 2.925, 0.525, [Opening(0.45, 2.025, 0.225)], precompression=0.3e6)"
 
 
+@pytest.mark.long
 def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
     out, wall = tmp_path / "none.h5", wall_file(tmp_path / "spandrel.py", SPANDREL)
     done = yade_command(

@@ -252,6 +252,7 @@ def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(yade_co
     assert found["kind"] == "tension"
 
 
+@pytest.mark.long
 def test_a_motion_in_space_is_the_same_whichever_way_its_components_are_named(
     yade_command, tmp_path
 ):

@@ -345,8 +345,8 @@ class TestExposure:
         assert tuple(int(np.sum(exposure.median_mm_s > level)) for level in (1, 2, 4, 8)) == over
 
     def test_probability_of_any_event_against_draws(self, catalogue):
-        """5 000 draws; tolerance: four standard errors."""
-        n = 5_000
+        """2 000 draws; tolerance: four standard errors."""
+        n = 2_000
         exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
         drawn = exposure.median_mm_s[:, np.newaxis]
         for level in (1, 2, 5):
