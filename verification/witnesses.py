@@ -96,6 +96,7 @@ def bound(wall):
         A_eq=hstack([equal, csr_matrix(live.reshape(-1, 1))]),
         b_eq=dead.ravel(),
         bounds=[*[(0, None), (None, None), (None, None)] * (forces // 3), (0, None)],
+        method="highs-ipm",  # the simplex method does not end for 146 blocks
     )
     return float(solution.x[-1])
 
