@@ -23,9 +23,10 @@ from damage.wall.kinds import CUT
 from damage.wall.layout import lay_out
 from verification import crushing, elastic, falling, rocking, sliding, splitting
 from verification.block import one_block
+from yade_scripts.bodies import TIP
 from yade_scripts.crushing import Crushing
 from yade_scripts.leaving import run_and_leave
-from yade_scripts.model import TIP, build
+from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 from yade_scripts.solver import YadeSolver
 
