@@ -26,7 +26,7 @@ from damage.run.settings import (
     SELECTIVE,
     SETTLED_BELOW,
 )
-from damage.run.solver import LOOK_STEPS, NO_MOTION
+from damage.run.solver import LOOK_STEPS, MOST_WORK, NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.strain import stress_by_modes
 
@@ -415,13 +415,12 @@ class Run:
 
     def _stretch(self):
         """Number of steps to the next look or, where the solver prefers samples in groups, to the
-        end of a group."""
-        samples = self.solver.stretch_samples
-        return (
-            samples * self.sample_steps - self.solver.clock % self.sample_steps
-            if samples
-            else LOOK_STEPS
-        )
+        end of a group, which is smaller where it would hold up an interrupt."""
+        if not self.solver.stretch_samples:
+            return LOOK_STEPS
+        most = MOST_WORK // (self.sample_steps * len(self.layout.contacts))
+        samples = max(1, min(self.solver.stretch_samples, most))
+        return samples * self.sample_steps - self.solver.clock % self.sample_steps
 
     def _advance(self, *how):
         """Let the solver advance; a run that blows up ends at once."""

@@ -5,9 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import contents
 from numpy.testing import assert_allclose
+from short_runs import RUNS
 from small_history import small_layout
 
+import damage
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.measure.summary import summarise
@@ -388,3 +391,17 @@ def test_no_input_no_percentage(session, input_j, known):
         input_j=lambda step: input_j * (step > 0), kinetic_j=lambda step: 2e-9 * (step > 0)
     )
     assert (summarise(history)["energy_error_fraction"] is not None) == known
+
+
+def test_large_walls_are_looked_at_more_often_and_move_alike(run_of, monkeypatch, tmp_path):
+    """As often as samples are taken, where a sample takes a second."""
+    monkeypatch.setattr("damage.run.run.MOST_WORK", 1)
+    looked = []
+    continues = Run._continues
+    monkeypatch.setattr(
+        Run, "_continues", lambda run: looked.append(run.solver.clock) or continues(run)
+    )
+    wall, words = RUNS["shaken"]
+    damage.run(wall, **words, out=tmp_path / "often.h5")
+    assert contents(tmp_path / "often.h5") == contents(run_of("shaken").path)
+    assert len(looked) > 100
