@@ -12,13 +12,12 @@ answers from all other draws: the claim's own draw is left out.  --asked-of: fro
 another wall, whose joints the cracks are laid on; --surveyors: each claim so often, with other
 errors of its survey.
 
-Prints four tables. Claims, why there is no answer, and answers that are wrong, also of those with
-50 draws or more like the survey; on stderr the share of wrong ones with its upper bound (95 %,
-exact binomial, as if claims were independent). Cracks of the claims, and the answers on each, of
-which the truth is its paired run without that cause. For each prior of settlement the share of
-claims, weighted by that prior, whose true widths lie in the 90 % intervals. What the sheet states
-as "not without the earthquakes" beside what was so, by a prior of 0.5, and the share of draws that
-resemble a survey, from which follows how many are needed.
+Prints four tables. Claims, why there is no answer, and answers that are wrong; on stderr the share
+of wrong ones with its upper bound (95 %, exact binomial, as if claims were independent). Cracks of
+the claims, and the answers on each, of which the truth is its paired run without that cause. For
+each prior of settlement the share of claims, weighted by that prior, whose true widths lie in the
+90 % intervals. What the sheet states as "not without the earthquakes" beside what was so, by a
+prior of 0.5, and the share of draws that resemble a survey, from which follows how many are needed.
 """
 
 import sys
@@ -51,8 +50,6 @@ from paper.bench import arguments, option, print_row, print_table
 
 LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
 BINS = 0, 0.25, 0.5, 0.75, 0.9, 1
-MANY = 50
-"""Draws like a survey that answers needed before."""
 CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
 """{kind of claim: state of the twins that is surveyed}."""
 TWIN = {
@@ -297,7 +294,7 @@ def print_cracks(rows, title):
 
 def print_rows(rows, title):
     """Rows of the table of one set of claims, by kind."""
-    totals = np.zeros(4, int)
+    said = wrong = 0
     for kind in CLAIMS:
         mine = rows[rows["kind"] == kind]
         if not len(mine):
@@ -307,22 +304,19 @@ def print_rows(rows, title):
             for why in ("refused", "draws", "strange", "small")
         ]
         answered = mine[mine["reasons"] == ""]
-        many = answered[answered["draws"] >= MANY] if len(answered) else answered
-        for these in (answered, many):
-            names = [name for name in BUT_FOR if f"said_{name}" in these]
-            counts += [
-                sum(int((these[f"said_{name}"] != "open").sum()) for name in names),
-                sum(int(these[f"wrong_{name}"].astype(bool).sum()) for name in names),
-            ]
+        names = [name for name in BUT_FOR if f"said_{name}" in answered]
+        counts += [
+            sum(int((answered[f"said_{name}"] != "open").sum()) for name in names),
+            sum(int(answered[f"wrong_{name}"].astype(bool).sum()) for name in names),
+        ]
         print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
-        totals += counts[-4:]
-    for rule, (said, wrong) in zip(("", f" from {MANY} draws"), totals.reshape(2, 2).tolist()):
-        if said:
-            bound = binomtest(wrong, said, alternative="less").proportion_ci(0.95).high
-            print(
-                f"{title}: {wrong} of {said} answers{rule} wrong, at most {100 * bound:.1f} %",
-                file=sys.stderr,
-            )
+        said, wrong = said + counts[-2], wrong + counts[-1]
+    if said:
+        bound = binomtest(wrong, said, alternative="less").proportion_ci(0.95).high
+        print(
+            f"{title}: {wrong} of {said} answers wrong, at most {100 * bound:.1f} %",
+            file=sys.stderr,
+        )
 
 
 def main():
@@ -343,7 +337,6 @@ def main():
     ]
     if asked.rows:
         pd.concat(tables).to_csv(asked.rows, index=False)
-    many = f"answers from {MANY} draws"
     print_table(
         "wall",
         "claim",
@@ -355,8 +348,6 @@ def main():
         "small",
         "answers",
         "wrong",
-        many,
-        f"wrong ({many})",
     )
     for one, rows in zip(libraries, tables):
         asked_of = f" asked of {other.name}" if other else ""

@@ -349,7 +349,7 @@ def _life(asked):
             metavar="N",
             help=(
                 "draws (default: 10 for a first sheet, then 96 and more, up to 800, until the"
-                " intervals are narrow and enough draws resemble the survey; an answer needs 35"
+                " intervals are narrow and enough draws resemble the survey; an answer needs 50"
                 " that do)"
             ),
         ),

@@ -407,8 +407,8 @@ class TestAnswer:
     @pytest.mark.parametrize(
         "change, draws, strange, why",
         [
-            ({}, 35.0, 0.95, []),
-            ({}, 34.9, 0.0, ["draws"]),
+            ({}, 50.0, 0.95, []),
+            ({}, 49.9, 0.0, ["draws"]),
             ({}, 60.0, 0.951, ["strange"]),
             ({"share_on_joints": 0.79}, 60.0, 0.0, ["off_joints"]),
             ({"max_width_mm": 0.09}, 60.0, 0.0, ["small"]),
