@@ -201,10 +201,7 @@ def _witnesses(result):
     if not result.witnesses:
         return "  |  |  |"
     lmgc90 = result.witnesses["lmgc90"]
-    apart = ""
-    if lmgc90 is not None:
-        percent = round(100 * (lmgc90 / result.solver.multiplier - 1), 1)
-        apart = f"{percent + 0.0:+.1f} %"  # no minus before zero
+    apart = "" if lmgc90 is None else f"{100 * (lmgc90 / result.solver.multiplier - 1):+z.1f} %"
     return f" {_cell(lmgc90)} | {apart} | {result.witnesses['compas_cra']:.4f} |"
 
 

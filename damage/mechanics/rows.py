@@ -98,6 +98,8 @@ def springs_of(n, tables, p, alike):
 
 @overload(springs_of)
 def _springs_of(n, tables, p, alike):
+    """Both branches have to give one type, of eight walls vectors."""
+
     def of_one(n, tables, p, alike):
         return shared_in(in_blocks(n, p), tables.lines, p // PARTS)
 

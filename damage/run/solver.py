@@ -12,7 +12,7 @@ LOOK_STEPS = 500
 """Steps between two looks at the static criterion, at progress and interrupts; a solver whose
 forces depend, in their last digits, on where it stops, stops there."""
 MOST_WORK = 2 * 10**7
-"""Steps between two looks, times contact points, at most: about a second of eight walls."""
+"""Steps between two looks, times contact points, at most: one or two seconds of eight walls."""
 
 
 class Instants(NamedTuple):

@@ -138,17 +138,13 @@ class TestTheSolver:
 
 
 @pytest.mark.long
-def test_other_programs_agree_on_the_benchmark(tmp_path):
-    """LMGC90's collapse within 2 % of the solver's, compas_cra's bound that of the programme.
-
-    More blocks join the fall as the load grows, so that falls from 1.02 of the collapse on give a
-    multiplier 1.3 % above it (docs/validation/dry-joints.md).
-    """
+def test_other_programs_agree_on_a_wall_with_a_door():
+    """LMGC90's collapse within 1 % of the solver's, compas_cra's bound that of the programme."""
     packages = "compas-lmgc90==0.1.11", "compas_cra==0.8.0", "compas_assembly==0.7.1"
     with environment(*packages, needs=("compas==2.15.1", "scipy", "shapely")) as python:
-        result = examine("benchmark")
+        result = examine("door")
         found = ask(python, result)
-    assert_allclose(found["lmgc90"], result.solver.multiplier, rtol=0.02)
+    assert_allclose(found["lmgc90"], result.solver.multiplier, rtol=0.01)
     assert_allclose(found["compas_cra"], result.bound.multiplier, rtol=1e-6)
 
 

@@ -25,7 +25,8 @@ SURE = 0.9
 prior."""
 LEAST_DRAWS = 50
 """Effective number of draws of the second table.  From 35 on Wilson's interval of draws that all
-agree is beyond SURE; of the answers from 35 to 50 draws 1 to 2 of 100 were wrong."""
+agree is beyond SURE; of the answers from 35 to 50 draws 1 to 2 of 100 were wrong
+(docs/paper/claims.md)."""
 ROWS = ("both", "earthquakes", "settlement", "none")
 BUT_FOR = ("not_without_earthquakes", "not_without_settlement", "neither_alone")
 WITHOUT = ("without_earthquakes", "without_settlement")
