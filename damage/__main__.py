@@ -8,9 +8,8 @@ import sys
 from damage.start import begin, leave, reported
 
 if __name__ == "__main__":
-    # runs side by side use the processors, not linear algebra
-    if sys.argv[1:2] in (["study"], ["life"], ["claim"]):
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # runs side by side use the processors, not linear algebra, whose threads no fork survives
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     begin()  # before what takes its time to import
 
 import logging

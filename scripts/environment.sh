@@ -3,7 +3,7 @@
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages
 #     source scripts/environment.sh cluster # also Snakemake
-#     source scripts/environment.sh test    # also pytest with xdist, hypothesis and, where it can be had, obspy
+#     source scripts/environment.sh test    # also pytest with xdist and timeout, hypothesis and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
 #     source scripts/environment.sh browser # as site, with pytest and selenium; Chromium and its driver
 #     source scripts/environment.sh app     # a Python with the packages and Flask, for python3 -m damage app
@@ -80,6 +80,7 @@ _env_missing_packages() {
         case $module in
             snakemake | furo) echo "$module" ;;
             xdist) echo python3-pytest-xdist ;;
+            pytest_timeout) echo python3-pytest-timeout ;;
             myst_parser) echo python3-myst-parser ;;
             *) echo "python3-$module" ;;
         esac
@@ -226,7 +227,7 @@ _env_main() {
     case ${1:-run} in
         run) ;;
         cluster) modules+=(snakemake) ;;
-        test) modules+=(snakemake pytest xdist hypothesis flask) ;;
+        test) modules+=(snakemake pytest xdist pytest_timeout hypothesis flask) ;;
         coverage) modules+=(snakemake pytest xdist hypothesis flask coverage) ;;
         app)
             modules+=(flask)

@@ -41,6 +41,8 @@ TINY = "Wall('tiny', 0.45, 0.6)"
 # of small walls, which vibrate at 0.05 s or faster
 SHORT = ("-j1", BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")
 
+MOST_S = 600.0
+"""What a test may take, ten times the longest on a slow machine; it fails then [s]."""
 FIRST = (
     "test_widths.py",
     "test_deformable.py",
@@ -59,13 +61,18 @@ FIRST = (
 )
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """First come files that compile what all others then find compiled; two that run side by side
     compile different functions, a third one needs none; then those that take longest, which would
-    leave other cores idle at the end."""
+    leave other cores idle at the end.  A test that waits for ever fails, and says where it waits;
+    those that take minutes may take more."""
     items.sort(
         key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST)
     )
+    if config.pluginmanager.hasplugin("timeout"):
+        for item in items:
+            if not item.get_closest_marker("long"):
+                item.add_marker(pytest.mark.timeout(MOST_S, method="thread"))
 
 
 @pytest.fixture(scope="session", autouse=True)

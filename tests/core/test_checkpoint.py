@@ -91,6 +91,7 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
     """
     if (child := os.fork()) == 0:
         status = 1
+        signal.alarm(300)  # it must not be waited for longer
         try:
             seen, continues = [], run_module.Run._continues
 

@@ -20,6 +20,7 @@ MODULES = (
     "snakemake",
     "pytest",
     "xdist",
+    "pytest_timeout",
     "hypothesis",
     "jinja2",
     "flask",
@@ -135,6 +136,7 @@ class TestMissing:
             "snakemake",
             "python3-pytest",
             "python3-pytest-xdist",
+            "python3-pytest-timeout",
             "python3-hypothesis",
             "python3-flask",
         ]

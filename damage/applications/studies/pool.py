@@ -28,7 +28,7 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 
 LOOK_S = 2.0
-"""Between two looks at the room on the disk [s]."""
+"""Between two looks at the room on the disk, and two signals that end processes [s]."""
 # processes begin with all libraries, compiled code and records
 _FORK = multiprocessing.get_context("fork")
 
@@ -155,7 +155,9 @@ class Pool:
                 self._listen(worker, follow)
             if time.monotonic() > looked + LOOK_S:
                 looked = time.monotonic()
-                if not self.ended and is_short(self.folder):
+                if self.ended:  # once more: a process that was about to begin a run did not hear it
+                    self._end_all()
+                elif is_short(self.folder):
                     self._end_short()
 
     def _listen(self, worker, follow):

@@ -290,9 +290,10 @@ def _run_solver(command, folder, lock, announce):
         return EXIT_FAILED
 
     def end(*_):
+        if not came:
+            solver.terminate()
+            signal.alarm(int(PATIENCE_S))
         came.append(True)
-        solver.terminate()
-        signal.alarm(int(PATIENCE_S))
 
     before = signal.signal(signal.SIGTERM, end)
     signal.signal(signal.SIGALRM, lambda *_: solver.kill())

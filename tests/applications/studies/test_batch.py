@@ -323,6 +323,25 @@ class TestPool:
         ] and "p2_reference: FAILED" in lines
         assert "its process was ended twice (SIGKILL)" in one.failed[0].log.read_text()
 
+    def test_a_process_that_an_interrupt_finds_between_two_runs_is_interrupted_in_the_next(
+        self, pool, tmp_path
+    ):
+        def work(connection, *_):
+            """Deaf until its run has begun."""
+            task = connection.recv()
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
+            signal.signal(signal.SIGTERM, lambda *_: None)
+            os.kill(os.getppid(), signal.SIGTERM)
+            time.sleep(0.2)
+            signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+            came = signal.sigtimedwait(signals, 30)
+            connection.send((task, 130 if came else 0, {}))
+
+        signals = [signal.SIGTERM]
+        one, _ = pool(work, jobs=1)
+        one.run(self.tasks(tmp_path, 1))
+        assert one.interrupted and one.n_lost == 1
+
     def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(
         self, pool, tmp_path, monkeypatch
     ):
@@ -332,6 +351,7 @@ class TestPool:
         make_history(task.history)
         batch = os.fork()
         if not batch:
+            signal.alarm(300)  # it must not be waited for longer
 
             def conclude(*_):
                 (tmp_path / "pid").write_text(str(os.getpid()))
