@@ -71,9 +71,19 @@ class Memory:
         if self._new_file:
             self._file = self._new_file()
             self._file.static_stage(self._values)
-            for part in self._parts:
-                self._file.store(part)
+            self._file.store(self._columns())
         self._parts = None
+
+    def _columns(self):
+        """All rows of each growing column, {path: rows}."""
+        columns = growing_columns(self._layout, json.loads(self.attributes["parameters_json"]))
+        return {
+            path: _together(
+                [part[path] for part in self._parts if path in part],
+                np.empty((0, *shape), column.dtype),
+            )
+            for path, (column, shape) in columns.items()
+        }
 
     def history(self, path):
         if self._parts is None:
@@ -87,13 +97,8 @@ class Memory:
                 for name in schema.STATIC
             },
             **layout_tables(self._layout),
+            **self._columns(),
         }
-        columns = growing_columns(self._layout, json.loads(self.attributes["parameters_json"]))
-        for path_of, (column, shape) in columns.items():
-            values[path_of] = _together(
-                [part[path_of] for part in self._parts if path_of in part],
-                np.empty((0, *shape), column.dtype),
-            )
         return history_of(path, self.attributes, values)
 
 
