@@ -617,6 +617,14 @@ class TestOneFolder:
         assert f"model {new}, measures {measures_digest()}" in (out / "claim.html").read_text()
 
 
+def test_a_wall_of_the_repository_is_found_from_any_folder(claimed, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    wall = os.path.relpath(REPOSITORY / "walls/variants/small.py")
+    _, _, *more = words(claimed.parent, draws=2)[:-1]
+    assert main(["claim", wall, *more, "out"]) == 0
+    assert "contact points x" in capsys.readouterr().out
+
+
 class TestBadInput:
     @pytest.mark.parametrize(
         "more, said",

@@ -47,7 +47,7 @@ def size_of(study):
     steps = 0.0
     for run in study.runs:
         settings = [run.settings(ROOT, number) for number in range(1, LIVES + 1)]
-        wall = in_units(load_wall(run.wall), settings[0].units)
+        wall = in_units(load_wall(ROOT / run.wall), settings[0].units)
         plan = plan_of(BACKEND, wall, check(BACKEND, wall, settings[0]))
         steps += (STATIC_S + np.mean([one.duration_s for one in settings])) / plan.time_step
     return Size(plan.layout.n_joints, float(steps))
