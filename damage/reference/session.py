@@ -30,6 +30,8 @@ from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
+STATIC_S = 1.0
+"""What a run takes to come to rest before time zero, about [s]."""
 
 
 def _make(layout, time_step, settings):
@@ -96,7 +98,7 @@ def run_references(lines, histories=None, settled=None, watch=lambda name, share
 
     def watched(keep_going, name):
         def go_on(run, time_s):
-            watch(name, max(0.0, time_s) / run.duration_s if run.duration_s else 0.0)
+            watch(name, _share(run, time_s))
             return keep_going(run, time_s)
 
         return go_on
@@ -116,6 +118,12 @@ def run_references(lines, histories=None, settled=None, watch=lambda name, share
             if status == EXIT_INTERRUPTED:
                 interrupted.append(names[number])
             yield names[number], status
+
+
+def _share(run, time_s):
+    """How much of a run is simulated, its static stage included."""
+    since = min(time_s, STATIC_S) if run.stage == "static" else STATIC_S + max(0.0, time_s)
+    return since / (STATIC_S + run.duration_s)
 
 
 def _run(name, line, histories, settled, keep_going):

@@ -109,6 +109,16 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved
     assert len({history.series["time_s"].iloc[-1] for history in histories.values()}) >= 3
 
 
+def test_the_share_that_is_simulated_only_grows(tiny, tmp_path):
+    """The static stage, whose time begins at zero as that of the motion does, is a part of it."""
+    shares = {}
+    asked = lines(tiny, tmp_path / "runs", 2)
+    watch = lambda name, share: shares.setdefault(name, []).append(share)  # noqa: E731
+    assert dict(run_references(asked.items(), watch=watch)) == dict.fromkeys(asked, 0)
+    for seen in shares.values():
+        assert seen == sorted(seen) and seen[0] < 0.1 and seen[-1] == 1.0 and len(seen) > 5
+
+
 def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
     # which have a hash
     walls = [mock.Mock(**{"layout.strain": None, "taken": 0}) for _ in range(8)]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.applications.studies.folder import ROOT
-from damage.reference.session import BACKEND
+from damage.reference.session import BACKEND, STATIC_S
 from damage.run.session import check, plan_of
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
@@ -13,8 +13,6 @@ from damage.wall.file import load_wall
 RATES = 1e7, 1.5e8
 """Contact points times steps that a process takes in a second: of walls that crack much, on ground
 that settles, where they step one by one, and of eight that crack little and step together."""
-STATIC_S = 1.0
-"""What a run takes to come to rest before time zero, about [s]."""
 OVERHEAD = 500
 """Contact points that what a step takes besides counts for."""
 LIVES = 8
