@@ -122,7 +122,10 @@ def run_references(lines, histories=None, settled=None, watch=lambda name, share
 
 def _share(run, time_s):
     """How much of a run is simulated, its static stage included."""
-    since = min(time_s, STATIC_S) if run.stage == "static" else STATIC_S + max(0.0, time_s)
+    if run.stage == "static":
+        since = min(time_s, STATIC_S)
+    else:  # bricks are followed beyond the last motion
+        since = STATIC_S + min(max(time_s, 0.0), run.duration_s)
     return since / (STATIC_S + run.duration_s)
 
 
