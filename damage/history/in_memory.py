@@ -11,8 +11,9 @@ from damage.history.buffer import Buffer
 from damage.history.reader import history_of, read_history
 from damage.history.writer import File, growing_columns, layout_tables, run_attributes
 
-MOST_BYTES = 40_000_000
-"""Size [bytes] beyond which a history continues in its file: eight runs share a process."""
+MOST_BYTES = 10_000_000
+"""Size [bytes] beyond which a history continues in its file, so that little is left to be written
+where eight runs of a process are interrupted."""
 
 
 class Memory:

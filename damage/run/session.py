@@ -35,7 +35,7 @@ from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
-from damage.run.settings import SELECTIVE, RunSettings, Softening
+from damage.run.settings import NONE, SELECTIVE, RunSettings, Softening
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
@@ -214,8 +214,11 @@ class Prepared(RunPlan):
         """The Prepared run that follows one that was not accepted, by a RunError; its history
         begins anew."""
         code = getattr(reason, "code", FAILURE)
-        skipped = len(self.repeats) - 1 if code == DROP else 0
-        (settings, time_step), *others = self.repeats[skipped:]
+        (settings, time_step), *others = [
+            (one, step_s)
+            for one, step_s in self.repeats
+            if code != DROP or one.mass_scaling == NONE
+        ]
         parameters = (
             self.parameters
             | settings.as_dict()
@@ -225,11 +228,8 @@ class Prepared(RunPlan):
                 "repeated_for": code,
             }
         )
-        print(
-            f"{reason}: repeated"
-            f" {'explicitly' if not others else f'in steps of {time_step:.3g} s'}",
-            flush=True,
-        )
+        how = "explicitly, " if settings.mass_scaling == NONE else ""
+        print(f"{reason}: repeated {how}in steps of {time_step:.3g} s", flush=True)
         if self.checkpoints:
             self.checkpoints.remove()
         self.writer.begin_again(partial(self.write, parameters=parameters))
@@ -473,8 +473,8 @@ def _simulate(prepared, keep_going, settled):
                 f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s"
                 " before time zero; expected a wall that stands; give a smaller --distortion"
             )
-        if finished:
-            check_energy(prepared.settings, run.energy_error)
+        if finished and prepared.repeats:
+            check_energy(run.energy_error)
         if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
             raise RunError(
                 f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to"
