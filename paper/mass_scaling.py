@@ -94,6 +94,7 @@ CASES = {
     "asymmetric_bgar": (ASYMMETRIC, [*BGAR, "--scale", "2.5"]),
     "terrace_bgar": ("walls/terrace_end.toml", [*BGAR, "--scale", "2"]),
     "house_mid1": ("walls/two_storeys.toml", [*MID1, "--scale", "1.5"]),
+    "front_settled": ("paper/claim_walls/front_S.toml", [*SETTLED, *BGAR, "--scale", "2"]),
     "solid_harmonic": (SOLID, ["--harmonic", "0.1", "0.3", "--rest", "0.1"]),
     "solid_mid1": (SOLID, [*MID1, "--scale", "4"]),
     "deformable_mid1": (SYMMETRIC, [*MID1, "--scale", "2.5", *DEFORM]),
@@ -108,10 +109,13 @@ SCHEMES = {
         for step in ("2e-4", "1e-4", "5e-5", "4e-4")
     },
     "half": ["--mass-scaling", "none", "--settling", "adaptive"],
+    "large": ["--mass-scaling", "none", "--settling", "adaptive"],
     "local": ["--mass-scaling", "none"],
 }
-"""{scheme: its words}; half: half of the explicit step; local: explicit as by default, with local
-damping in settling stages."""
+"""{scheme: its words}; half: half of the explicit step; large: explicit steps in which runs are
+repeated first; local: explicit as by default, with local damping in settling stages."""
+FACTORS = {"half": 0.5 * SOFTENING_STEP_FACTOR, "large": STEP_FACTOR}
+"""{scheme: its step over the critical one}."""
 FIRST = "half", "local", "4e-4"
 """Schemes of the first eight draws alone."""
 COMPARED = {
@@ -173,9 +177,7 @@ def _batch(folder, case, way, draws):
     """Rows of a case with a scheme, one a draw."""
     wall, words = CASES[case]
     step = (
-        ["--dt", repr(0.5 * SOFTENING_STEP_FACTOR * _modes(wall).critical_time_step_s)]
-        if way == "half"
-        else []
+        ["--dt", repr(FACTORS[way] * _modes(wall).critical_time_step_s)] if way in FACTORS else []
     )
     source = wall_file(folder / f"{Path(wall).stem}.toml", _wall(wall))
     lines = {

@@ -11,9 +11,9 @@ NO_MOTION = np.zeros((0, 2))
 LOOK_STEPS = 500
 """Steps between two looks at the static criterion, at progress and interrupts; a solver whose
 forces depend, in their last digits, on where it stops, stops there."""
-MOST_WORK = 5 * 10**6
-"""Steps between two looks, times contact points, at most: half a second or, where joints crack, a
-few seconds of eight walls."""
+MOST_WORK = 2 * 10**6
+"""Steps between two looks, times contact points, at most: a tenth of a second or, where joints
+crack, half a second of eight walls."""
 
 
 class Instants(NamedTuple):

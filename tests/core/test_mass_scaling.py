@@ -19,6 +19,7 @@ from damage.reference.wall import ReferenceWall
 from damage.run import monitor, scheme
 from damage.run.monitor import Borne
 from damage.run.options import parse_run
+from damage.run.schedule import STEP_FACTOR
 from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -252,15 +253,16 @@ class TestAcceptance:
             assert found.parameters["mass_scaling"] == "none" and found.complete
             assert found.series.equals(explicit.series)
 
-    def test_half_the_step_comes_first(self, monkeypatch):
-        errors = iter([1.0, 0.0])
+    @pytest.mark.parametrize("repeats, then", [(1, "selective"), (2, "none")])
+    def test_half_the_step_comes_first_then_large_explicit_ones(self, monkeypatch, repeats, then):
+        errors = iter([1.0] * repeats + [0.0])
         monkeypatch.setattr(
-            "damage.run.session.check_energy",
-            lambda error: scheme.check_energy(next(errors)),
+            "damage.run.session.check_energy", lambda error: scheme.check_energy(next(errors))
         )
-        found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4)
-        assert found.parameters["time_step_s"] == 1e-4 and found.parameters["repeats"] == 1
-        assert found.parameters["mass_scaling"] == "selective"
+        found = damage.run(softening_wall(), **SHAKEN, mass_scaling="selective", dt=2e-4).parameters
+        large = STEP_FACTOR * found["critical_time_step_s"]
+        assert found["time_step_s"] == (1e-4 if then == "selective" else pytest.approx(large, 0.01))
+        assert (found["repeats"], found["mass_scaling"]) == (repeats, then)
 
     def test_a_failure_is_that_of_explicit_steps(self, monkeypatch):
         left = iter([True, True, False])

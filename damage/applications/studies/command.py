@@ -307,7 +307,7 @@ class Batch:
         """Say now and then how far the runs are; under_way: as of Pool."""
         now, done = time.monotonic(), self._runs_done
         made = done - self._runs_before + under_way
-        if now < self._said + WATCH_S or not made:
+        if now < self._said + WATCH_S or made < 0.1:  # of a run: too little to say how long
             return
         self._said = now
         runs = sum(one.run.runs_needed(one.records) for one in self.points.values())
