@@ -68,12 +68,11 @@ class Library:
         units = dict(study.runs[0].options).get("units", (1, 1))
         self.wall = layout_of(study.runs[0].wall, units)
         self.twins = read_twins(folder, self.wall)
-        ground = self.twins.settlement
-        self.name = Path(study.runs[0].wall).stem + (
-            f", {ground['profile'].iloc[0]} 1/{1 / ground['distortion'].iloc[0]:.0f}"
-            if self.twins.ground_is_known
-            else ""
-        )
+        self.name = Path(study.runs[0].wall).stem
+        if self.twins.ground_is_known:
+            profile, distortion = self.twins.settlement[["profile", "distortion"]].iloc[0]
+            # a profile from a file has no distortion
+            self.name += f", {profile}" + (f" 1/{1 / distortion:.0f}" if distortion else "")
         undamaged = crack_table(
             self.twins.ends, self.twins.opening_m["none"][0], self.twins.offset_m["none"][0], LIMIT
         )
