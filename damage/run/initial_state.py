@@ -28,7 +28,7 @@ def as_bytes(tables):
     """The bytes (n,) of {name: array}, a NumPy archive without padding between fields: equal for
     equal values."""
     file = io.BytesIO()
-    # at level 6, which np.savez_compressed has, it takes longer, while a person waits for a stop
+    # np.savez_compressed has level 6 alone, which takes longer: an interrupted run waits for it
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name, table in tables.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:

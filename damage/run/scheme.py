@@ -77,16 +77,14 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         )
     half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
     masses = replace(settings, mass_scaling=NONE, time_step_s=None)
-    explicit = [
-        (masses, choose_time_step(masses, critical_s, small, decay_1_s))
-        for small in sorted({False, softens})
-    ]
-    return ((settings, step_s), *half, *explicit)
+    # the larger one is of brittle joints
+    explicit = {choose_time_step(masses, critical_s, one, decay_1_s) for one in (False, softens)}
+    return ((settings, step_s), *half, *((masses, one) for one in sorted(explicit, reverse=True)))
 
 
 def check_energy(error):
-    """Raise NotAccepted where the energy balance error [-] of a run is too large, should smaller
-    steps be left."""
+    """Raise NotAccepted where the energy balance error [-] of a run is too large; for runs that can
+    be repeated in smaller steps."""
     if error is not None and not error <= ACCEPTED_ERROR:
         raise NotAccepted(
             ENERGY,
