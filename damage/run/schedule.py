@@ -94,10 +94,8 @@ def softening_warnings(settings, time_step, critical_s, softening):
     """What of a run's step and damping is outside of what softening joints were shown to need in a
     solver, by its Softening: a list of lines."""
     found = []
-    if (
-        settings.mass_scaling != SELECTIVE
-        and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s
-    ):
+    asked = settings.time_step_s is not None and settings.mass_scaling != SELECTIVE
+    if asked and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
         found.append(
             f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected"
             f" at most {SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out"

@@ -5,7 +5,8 @@ One rule (`is_shown`) decides where nothing is asked for.  A run with mass scali
 balance error exceeds ACCEPTED_ERROR is repeated with half the step, then explicitly in steps that
 are accepted by the same error, last in those of softening joints; one in which a brick drops by
 ACCEPTED_DROP_M from what bore it is repeated explicitly at once, since the scaled masses of failed
-joints would hold it up.
+joints would hold it up.  On ground that settles, where most bricks above an opening drop, a run
+begins with these explicit steps.
 """
 
 from dataclasses import replace
@@ -27,10 +28,16 @@ _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "inputs", "sup
 
 
 def is_shown(settings, wall):
-    """Whether a damage.Wall under RunSettings is of a kind that was shown to need no explicit
-    steps: softening joints, openings, bricks that stay whole, shaken by a record or harmonically.
-    On ground that settles the residual DI follows the damping of settling stages, which would
-    differ from the default of explicit steps: there it has to be asked for."""
+    """Whether a damage.Wall under RunSettings is of a kind that was shown to be as accurate with
+    mass scaling as in explicit steps: one of `_is_compared` on ground that rests."""
+    return settings.settlement is None and _is_compared(settings, wall)
+
+
+def _is_compared(settings, wall):
+    """Whether a run is of a kind that was compared with explicit steps of softening joints: such
+    joints, openings, bricks that stay whole, shaken by a record or harmonically.  On ground that
+    settles the residual DI follows the damping of settling stages, which would differ from the
+    default: there it has to be asked for."""
     model = {name: getattr(settings.model, name) for name in _FREE}
     return (
         wall.joint.softens
@@ -58,12 +65,14 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         if wall.openings and period_s >= SLENDER_S
         else STIFF_STEP_S
     )
+    by_rule = settings.mass_scaling is None and settings.time_step_s is None
     if settings.mass_scaling is None:
-        shown = is_shown(settings, wall) and settings.time_step_s is None and step_s > critical_s
+        shown = by_rule and is_shown(settings, wall) and step_s > critical_s
         settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
-    softens = wall.joint.softens
     if settings.mass_scaling == NONE:
-        return ((settings, choose_time_step(settings, critical_s, softens, decay_1_s)),)
+        if by_rule and settings.settlement and _is_compared(settings, wall):
+            return _explicit(settings, critical_s, decay_1_s)
+        return ((settings, choose_time_step(settings, critical_s, wall.joint.softens, decay_1_s)),)
     if wall.restraints:
         raise InputError(
             "--mass-scaling selective of a wall with restraints: expected one without; leave "
@@ -77,9 +86,16 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         )
     half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
     masses = replace(settings, mass_scaling=NONE, time_step_s=None)
-    # the larger one is of brittle joints
-    explicit = {choose_time_step(masses, critical_s, one, decay_1_s) for one in (False, softens)}
-    return ((settings, step_s), *half, *((masses, one) for one in sorted(explicit, reverse=True)))
+    return ((settings, step_s), *half, *_explicit(masses, critical_s, decay_1_s))
+
+
+def _explicit(settings, critical_s, decay_1_s):
+    """Explicit runs as of `schemes`, in the steps of brittle joints, then in those of softening
+    ones."""
+    steps = {
+        choose_time_step(settings, critical_s, softens, decay_1_s) for softens in (False, True)
+    }
+    return tuple((settings, step_s) for step_s in sorted(steps, reverse=True))
 
 
 def check_energy(error):

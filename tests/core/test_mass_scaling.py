@@ -210,7 +210,7 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
         ("--free-vibration", None),
         ("--settle hogging", None),
         ("--settle hogging --harmonic 0.2 0.05", None),
-        ("--settle hogging --harmonic 0.2 0.05 --settling adaptive", 1e-4),
+        ("--settle hogging --harmonic 0.2 0.05 --settling adaptive", None),
         ("--contacts gauss", None),
         ("--bricks deformable", None),
         ("--soil 1e8", None),
@@ -234,6 +234,14 @@ def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
     assert of(soft, 0.2) == (2e-4 if step_s == 1e-4 else step_s)
     assert of(small_wall()) is None and of(replace(soft, openings=())) is None
     assert of(replace(soft, brick=replace(soft.brick, tensile_strength=1e6))) is None
+
+
+@pytest.mark.parametrize("words, shares", [("", [0.643, 0.35]), ("--mass-scaling none", [0.35])])
+def test_on_ground_that_settles_large_explicit_steps_come_first(words, shares):
+    words = f"--settle hogging --harmonic 0.2 0.05 --settling adaptive {words}"
+    found = scheme.schemes(parse_run(words.split(), "", "reference"), softening_wall(), 4e-5, 0.06)
+    assert {settings.mass_scaling for settings, _ in found} == {"none"}
+    assert [step / 4e-5 for _, step in found] == pytest.approx(shares, rel=0.02)
 
 
 def test_yade_takes_explicit_steps():
