@@ -5,8 +5,8 @@ One rule (`is_shown`) decides where nothing is asked for.  A run with mass scali
 balance error exceeds ACCEPTED_ERROR is repeated with half the step, then explicitly in steps that
 are accepted by the same error, last in those of softening joints; one in which a brick drops by
 ACCEPTED_DROP_M from what bore it is repeated explicitly at once, since the scaled masses of failed
-joints would hold it up.  On ground that settles, where most bricks above an opening drop, a run
-begins with these explicit steps.
+joints would hold it up.  On ground that settles, where bricks above openings drop, a run begins
+with these explicit steps.
 """
 
 from dataclasses import replace
@@ -65,14 +65,23 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         if wall.openings and period_s >= SLENDER_S
         else STIFF_STEP_S
     )
+
+    def explicit(settings):
+        """Runs in the step of brittle joints, then in that of this wall's."""
+        steps = {
+            choose_time_step(settings, critical_s, softens, decay_1_s)
+            for softens in (False, wall.joint.softens)
+        }
+        return tuple((settings, one) for one in sorted(steps, reverse=True))
+
     by_rule = settings.mass_scaling is None and settings.time_step_s is None
     if settings.mass_scaling is None:
         shown = by_rule and is_shown(settings, wall) and step_s > critical_s
         settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
     if settings.mass_scaling == NONE:
         if by_rule and settings.settlement and _is_compared(settings, wall):
-            return _explicit(settings, critical_s, decay_1_s)
-        return ((settings, choose_time_step(settings, critical_s, wall.joint.softens, decay_1_s)),)
+            return explicit(settings)
+        return explicit(settings)[-1:]
     if wall.restraints:
         raise InputError(
             "--mass-scaling selective of a wall with restraints: expected one without; leave "
@@ -86,16 +95,7 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         )
     half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
     masses = replace(settings, mass_scaling=NONE, time_step_s=None)
-    return ((settings, step_s), *half, *_explicit(masses, critical_s, decay_1_s))
-
-
-def _explicit(settings, critical_s, decay_1_s):
-    """Explicit runs as of `schemes`, in the steps of brittle joints, then in those of softening
-    ones."""
-    steps = {
-        choose_time_step(settings, critical_s, softens, decay_1_s) for softens in (False, True)
-    }
-    return tuple((settings, step_s) for step_s in sorted(steps, reverse=True))
+    return ((settings, step_s), *half, *explicit(masses))
 
 
 def check_energy(error):
