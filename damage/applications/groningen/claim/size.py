@@ -10,9 +10,10 @@ from damage.run.session import check, plan_of
 from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 
-RATES = 5e6, 5e7
-"""Contact points times steps that a process takes in a second: of large walls that crack much, and
-of small ones that crack little; three claims of 336 to 12 304 contact points had 1.4e7 to 4e7."""
+RATES = 2e7, 2e8
+"""Contact points times steps that a process takes in a second: of ten draws of large walls that
+crack much, and of many of small ones; claims of 336 to 12 304 contact points had 4e7 for ten draws,
+7e7 to 1.4e8 for 96 to 480."""
 OVERHEAD = 500
 """Contact points that what a step takes besides counts for."""
 LIVES = 8
