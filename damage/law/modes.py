@@ -18,7 +18,7 @@ from damage.errors import InputError
 from damage.law.blocks import factorised, sum_of_products
 from damage.rounded import down_to_three_digits, to_bits
 from damage.units import GRAVITY
-from damage.wall.kinds import CAP_COURSE
+from damage.wall.kinds import CAP_COURSE, LINTEL_COURSE
 from damage.wall.restraints import top_of
 
 _ROUNDING = 100 * np.finfo(float).eps
@@ -37,12 +37,14 @@ _KEPT = {}  # {all that modes, static displacements or scaled masses depend on: 
 class Modes:
     """period_s (n_modes,), longest first; shape (n_modes, n_bodies, coordinates) in [m, m, rad, m
     sqrt(kg) ...], scaled to a mean top-course displacement of 1 m, or, where that is zero, to a
-    largest one of 1 m; critical_time_step_s.  All are rounded (`damage.rounded`), so that the last
-    bits of libraries end here."""
+    largest one of 1 m; critical_time_step_s, and masonry_time_step_s where the inside of lintels'
+    beams does not limit it.  All are rounded (`damage.rounded`), so that the last bits of libraries
+    end here."""
 
     period_s: np.ndarray
     shape: np.ndarray
     critical_time_step_s: float
+    masonry_time_step_s: float
 
 
 def contact_normals(contacts):
@@ -80,9 +82,17 @@ def kinematic_rows(layout, directions):
     return found
 
 
-def joint_stiffness(layout, factors=(1.0, 1.0)):
-    """Stiffness of all contact points [N/m, N, N m], times factors across and along each, as
-    Blocks."""
+def inside_lintels(layout):
+    """Which contact points join two segments of a lintel's beam, which stay elastic: (n_contacts,)
+    of bool."""
+    first, second = layout.contacts.first, layout.contacts.second
+    is_segment = layout.bodies.course == LINTEL_COURSE
+    return (first >= 0) & (second >= 0) & is_segment[first] & is_segment[second]
+
+
+def joint_stiffness(layout, factors=(1.0, 1.0), of=slice(None)):
+    """Stiffness of contact points [N/m, N, N m], times factors across and along each, as Blocks;
+    of: which, all by default."""
     contacts = layout.contacts
     normals, ends = contact_normals(contacts), np.stack([contacts.first, contacts.second])
     if layout.space:
@@ -91,11 +101,14 @@ def joint_stiffness(layout, factors=(1.0, 1.0)):
         rows = [kinematic_rows(layout, directions) for directions in (normals, normals[:, ::-1])]
     across, along = contacts.normal_stiffness, contacts.shear_stiffness
     weights = [
-        factor * (stiffness * contacts.area)
+        (factor * (stiffness * contacts.area))[of]
         for factor, stiffness in zip((*factors, factors[-1]), (across, along, along))
     ][: len(rows)]
     return sum_of_products(
-        len(layout.bodies), np.hstack([ends] * len(rows)), np.hstack(rows), np.hstack(weights)
+        len(layout.bodies),
+        np.hstack([ends[:, of]] * len(rows)),
+        np.hstack([one[:, of] for one in rows]),
+        np.hstack(weights),
     )
 
 
@@ -104,10 +117,10 @@ def stiffness_matrix(layout):
     return _stiffness(layout, True).sparse()
 
 
-def _stiffness(layout, free, massless=0.0):
+def _stiffness(layout, free, massless=0.0, of=slice(None)):
     """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on
-    the diagonal."""
-    joints = joint_stiffness(layout)
+    the diagonal; of: which contact points."""
+    joints = joint_stiffness(layout, of=of)
     own = np.zeros((len(layout.bodies), 6 if layout.space else 3))
     free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
@@ -202,10 +215,15 @@ def _natural_modes(layout, n_modes):
     mass = mass_vector(layout)
     free = np.flatnonzero(mass > 0)
     scale = 1 / np.sqrt(mass[free])
-    stiffness, top = stiffness_matrix(layout), top_of(layout.wall)
-    if len(free) < len(mass):
-        stiffness = stiffness[free][:, free]
-    matrix = stiffest = (diags(scale) @ stiffness @ diags(scale)).tocsc()
+    top, inside = top_of(layout.wall), inside_lintels(layout)
+
+    def over_mass(blocks):
+        stiffness = blocks.sparse()
+        if len(free) < len(mass):
+            stiffness = stiffness[free][:, free]
+        return (diags(scale) @ stiffness @ diags(scale)).tocsc()
+
+    matrix = stiffest = over_mass(_stiffness(layout, True))
     if top and top.stiffness and not top.at_rest:  # beyond its play
         own = np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
         own[:, 0] = _of_bearing(layout, top.stiffness)
@@ -214,9 +232,12 @@ def _natural_modes(layout, n_modes):
     n_modes = min(n_modes, matrix.shape[0] - 2)
     try:
         values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
-        highest = eigsh(
-            stiffest, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start
-        )[0]
+        highest = _highest(stiffest, start)
+        masonry = (
+            _highest(over_mass(_stiffness(layout, True, of=~inside)), start)
+            if inside.any()
+            else highest
+        )
     except (ArithmeticError, RuntimeError, ValueError) as error:  # ARPACK's and SuperLU's
         if "alloc" in str(error).lower():
             raise MemoryError(f"for the modes of {layout.n_bricks} bricks") from error
@@ -231,8 +252,12 @@ def _natural_modes(layout, n_modes):
         np.stack(
             [_scaled(shape, layout) for shape in shapes.reshape(n_modes, len(layout.bodies), -1)]
         ),
-        down_to_three_digits(2 / np.sqrt(highest)),
+        *(down_to_three_digits(2 / np.sqrt(one)) for one in (highest, masonry)),
     )
+
+
+def _highest(matrix, start):
+    return eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start)[0]
 
 
 def first_mode(layout):

@@ -107,7 +107,9 @@ RUN = {
         "empty where all are inside",
     ),
     "mass_scaling": Column(
-        "", "none, or selective: with masses that grow with the intact wall's stiffness"
+        "",
+        "none, or selective: with masses that grow with the intact wall's stiffness; lintels: with"
+        " those of lintels alone",
     ),
     "repeats": Column(
         "1",

@@ -16,14 +16,16 @@ MASSLESS = 1e-30
 m2]."""
 
 
-def scaled_mass(layout, time_step, beta, held=()):
+def scaled_mass(layout, time_step, beta, held=(), of=slice(None)):
     """The ScaledMass of a layout for a time step and stiffness-proportional damping [s], with
     bodies (rows) of which coordinates are `held` (their numbers): their velocity is prescribed;
-    those of the last walls are kept."""
+    of: contact points whose stiffness counts; those of the last walls are kept."""
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
-    key = hashlib.sha256(b"|".join((elastic_key(layout), damping, numbers.tobytes()))).digest()
-    return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held)))
+    counts = np.ones(len(layout.contacts), bool)[of].tobytes()
+    parts = elastic_key(layout), damping, numbers.tobytes(), counts
+    key = hashlib.sha256(b"|".join(parts)).digest()
+    return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held), of))
 
 
 def matrix_of(masses, width):
@@ -43,9 +45,9 @@ class ScaledMass:
     all bodies, as damage.law.blocks.Blocks, in which prescribed velocities are coupled to no other;
     matrix: its Matrix, without room."""
 
-    def __init__(self, key, layout, time_step, beta, held):
-        self.key, self.beta = key, beta
-        self.whole = _scaled(layout, time_step, beta, held)
+    def __init__(self, key, layout, time_step, beta, held, of):
+        self.key, self.beta, self.of = key, beta, of
+        self.whole = _scaled(layout, time_step, beta, held, of)
         self.matrix = self._factor(len(layout.supports))
 
     def _factor(self, supports):
@@ -70,7 +72,7 @@ class ScaledMass:
         )
 
 
-def _scaled(layout, time_step, beta, held):
+def _scaled(layout, time_step, beta, held, of):
     """`whole` of a ScaledMass."""
     half, ground, strain = 0.5 * time_step, layout.contacts.first < 0, layout.strain
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
@@ -79,4 +81,4 @@ def _scaled(layout, time_step, beta, held):
     if strain:
         own[:, RIGID:] += half * (time_step * strain.stiffness + strain.damping * strain.mass)
     free.flat[held] = False
-    return joint_stiffness(layout, share).bounded(free, own)
+    return joint_stiffness(layout, share, of).bounded(free, own)

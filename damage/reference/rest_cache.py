@@ -10,7 +10,7 @@ import pickle
 from collections import OrderedDict
 from dataclasses import replace
 
-from damage.run.settings import SELECTIVE
+from damage.run.settings import NONE
 
 MOST_BYTES = 64_000_000
 """Largest size of the cache: about a hundred walls of four hundred bricks."""
@@ -76,7 +76,8 @@ def digest_of(prepared):
         prepared.time_step,
         settings.relaxation,
         settings.new_contacts,
-        settings.mass_scaling == SELECTIVE and settings.beta_s,
+        settings.mass_scaling,
+        settings.mass_scaling != NONE and settings.beta_s,
     )
     pickler = pickle.Pickler(content)
     pickler.fast = True  # equal values give equal bytes, be they one object or two

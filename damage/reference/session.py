@@ -9,6 +9,7 @@ import numba
 
 from damage.errors import one_line
 from damage.history.writer import HistoryWriter
+from damage.law.modes import inside_lintels
 from damage.memory import hold_buffers
 from damage.provenance import shown_path
 from damage.reference.ensembles import move
@@ -25,7 +26,7 @@ from damage.run.session import (
     simulate,
     with_errors_reported,
 )
-from damage.run.settings import SELECTIVE, Softening
+from damage.run.settings import LINTELS, SELECTIVE, Softening
 from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path
 
@@ -40,7 +41,7 @@ def _make(layout, time_step, settings):
         time_step,
         beta=settings.beta_s,
         new_contacts=settings.new_contacts,
-        scaled=settings.mass_scaling == SELECTIVE,
+        scaled={LINTELS: inside_lintels(layout), SELECTIVE: slice(None)}.get(settings.mass_scaling),
     )
 
 

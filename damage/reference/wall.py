@@ -34,8 +34,9 @@ class ReferenceWall:
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
     alpha: mass-proportional damping [1/s]; new_contacts: bodies whose joints have ended, or that
-    had none, collide; scaled: selective mass scaling (`damage.mechanics.scaling`) for this time
-    step and beta, without local damping.  time_step, beta, alpha, `local_damping` (Cundall's, [-])
+    had none, collide; scaled: contact points whose stiffness scales the masses
+    (`damage.mechanics.scaling`) for this time step and beta, without local damping: None, a mask
+    (n_joints,), or slice(None) for all.  time_step, beta, alpha, `local_damping` (Cundall's, [-])
     and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be changed at any
     time.
     with_stresses: whether samples hold the stresses of the joints.
@@ -43,7 +44,7 @@ class ReferenceWall:
 
     with_stresses = False
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=False):
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=None):
         self.layout, self.time_step, self.step = layout, time_step, 0
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
@@ -53,7 +54,7 @@ class ReferenceWall:
         built = build(layout)
         self.strain, self.loose = strain_tables(layout), None
         self.cuts = cut_tables(layout, built.interfaces)
-        self.mass = scaled_mass(layout, time_step, beta) if scaled else None
+        self.mass = None if scaled is None else scaled_mass(layout, time_step, beta, of=scaled)
         if new_contacts:
             self.loose = build_loose(layout, tables.system_of(built, 0), time_step)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
@@ -297,7 +298,9 @@ class ReferenceWall:
             ] = 0.0
         if self.mass:
             held = np.flatnonzero(self.system.inverse_mass[: len(self.layout.bodies)] == 0)
-            self.mass = scaled_mass(self.layout, self.time_step, self.mass.beta, held.tolist())
+            self.mass = scaled_mass(
+                self.layout, self.time_step, self.mass.beta, held.tolist(), self.mass.of
+            )
             Lanes([self])
 
     def spread(self, shares):

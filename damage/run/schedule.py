@@ -76,10 +76,10 @@ def check_top(settings, layout, time_step):
             f"--boundary fixed: a restraint holds the top of wall {layout.wall.name}, so that the"
             " push moves the course at mid-height, which turns; leave --boundary out"
         )
-    if drive.floor_shares and settings.mass_scaling == SELECTIVE:
+    if drive.floor_shares and settings.scales:
         raise InputError(
-            "--floor-share with --mass-scaling selective: expected true masses; leave one of them"
-            " out"
+            f"--floor-share with --mass-scaling {settings.mass_scaling}: expected true masses;"
+            " leave one of them out"
         )
     stiffness, inertia = drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
     most = 0.25 * float(inertia) / time_step**2
@@ -94,7 +94,7 @@ def softening_warnings(settings, time_step, critical_s, softening):
     """What of a run's step and damping is outside of what softening joints were shown to need in a
     solver, by its Softening: a list of lines."""
     found = []
-    asked = settings.time_step_s is not None and settings.mass_scaling != SELECTIVE
+    asked = settings.time_step_s is not None and not settings.scales
     if asked and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
         found.append(
             f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected"

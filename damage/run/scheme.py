@@ -6,7 +6,8 @@ balance error exceeds ACCEPTED_ERROR is repeated with half the step, then explic
 are accepted by the same error, last in those of softening joints; one in which a brick drops by
 ACCEPTED_DROP_M from what bore it is repeated explicitly at once, since the scaled masses of failed
 joints would hold it up.  On ground that settles, where bricks above openings drop, a run begins
-with these explicit steps.
+with these explicit steps.  The first of them have the masses of the segments of lintels' beams
+scaled, which never fail and which alone limit the steps of many walls.
 """
 
 from dataclasses import replace
@@ -15,7 +16,7 @@ from damage.errors import InputError
 from damage.motion.loading import Harmonic, Recorded
 from damage.run.monitor import ENERGY, NotAccepted
 from damage.run.schedule import choose_time_step
-from damage.run.settings import ACCEPTED_ERROR, MOST_SCALED_STEP_S, NONE, SELECTIVE
+from damage.run.settings import ACCEPTED_ERROR, LINTELS, MOST_SCALED_STEP_S, NONE, SELECTIVE
 from damage.wall.model_options import ModelOptions
 
 SLENDER_S = 0.15
@@ -53,11 +54,12 @@ def _is_compared(settings, wall):
     )
 
 
-def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
+def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0, masonry_s=0.0):
     """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted;
-    wall: damage.Wall, its critical time step and first period [s], and
-    `damage.wall.soil.fastest_decay`.  Raises InputError where steps with mass scaling are no longer
-    than explicit ones, or longer than was shown."""
+    wall: damage.Wall, its critical time step and first period [s],
+    `damage.wall.soil.fastest_decay`, and the critical time step without the inside of lintels
+    (`damage.law.modes.Modes`).  Raises InputError where steps with mass scaling are no longer than
+    explicit ones, or longer than was shown."""
     step_s = settings.time_step_s or settings.loading.preferred_step_s(
         DEFORMABLE_STEP_S
         if settings.model.has_modes
@@ -74,14 +76,32 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
         }
         return tuple((settings, one) for one in sorted(steps, reverse=True))
 
+    def lintels_first(settings):
+        """Explicit runs, before them one with scaled lintels where these limit the step."""
+        if settings.model.has_modes or not masonry_s > critical_s:
+            return explicit(settings)
+        longer_s = choose_time_step(settings, masonry_s, decay_1_s=decay_1_s)
+        return ((replace(settings, mass_scaling=LINTELS), longer_s), *explicit(settings))
+
     by_rule = settings.mass_scaling is None and settings.time_step_s is None
     if settings.mass_scaling is None:
         shown = by_rule and is_shown(settings, wall) and step_s > critical_s
         settings = replace(settings, mass_scaling=SELECTIVE if shown else NONE)
+    if settings.mass_scaling == LINTELS:
+        _check_lintels(settings, masonry_s > critical_s)
+        return lintels_first(replace(settings, mass_scaling=NONE))
     if settings.mass_scaling == NONE:
         if by_rule and settings.settlement and _is_compared(settings, wall):
-            return explicit(settings)
+            return lintels_first(settings)
         return explicit(settings)[-1:]
+    _check_selective(wall, step_s, critical_s)
+    half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
+    masses = replace(settings, mass_scaling=NONE, time_step_s=None)
+    return ((settings, step_s), *half, *lintels_first(masses))
+
+
+def _check_selective(wall, step_s, critical_s):
+    """Raise InputError where mass scaling does not go with a wall or its time step [s]."""
     if wall.restraints:
         raise InputError(
             "--mass-scaling selective of a wall with restraints: expected one without; leave "
@@ -93,9 +113,16 @@ def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0):
             f" critical one of this wall, {critical_s:.3g} s, and up to {MOST_SCALED_STEP_S:g} s;"
             " give another --dt, or leave --mass-scaling out"
         )
-    half = [(settings, step_s / 2)] if step_s / 2 > critical_s else []
-    masses = replace(settings, mass_scaling=NONE, time_step_s=None)
-    return ((settings, step_s), *half, *explicit(masses))
+
+
+def _check_lintels(settings, limit):
+    """Raise InputError where the masses of lintels that are asked for have no effect; limit:
+    whether these limit the time step."""
+    if settings.time_step_s or settings.model.has_modes or not limit:
+        raise InputError(
+            "--mass-scaling lintels: expected a wall of rigid bricks in which beams of lintels"
+            " limit the time step, and no --dt; leave it out"
+        )
 
 
 def check_energy(error):

@@ -35,7 +35,7 @@ from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
-from damage.run.settings import NONE, SELECTIVE, RunSettings, Softening
+from damage.run.settings import SELECTIVE, RunSettings, Softening
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
@@ -217,7 +217,7 @@ class Prepared(RunPlan):
         (settings, time_step), *others = [
             (one, step_s)
             for one, step_s in self.repeats
-            if code != DROP or one.mass_scaling == NONE
+            if code != DROP or one.mass_scaling != SELECTIVE
         ]
         parameters = (
             self.parameters
@@ -228,7 +228,7 @@ class Prepared(RunPlan):
                 "repeated_for": code,
             }
         )
-        how = "explicitly, " if settings.mass_scaling == NONE else ""
+        how = "explicitly, " if settings.mass_scaling != SELECTIVE else ""
         print(f"{reason}: repeated {how}in steps of {time_step:.3g} s", flush=True)
         if self.checkpoints:
             self.checkpoints.remove()
@@ -295,7 +295,7 @@ def check_house(backend, settings, house):
         ("joints without bond", settings.joints_without_bond),
         ("--after-fall", settings.after_fall),
         ("--new-contacts", settings.new_contacts),
-        ("--mass-scaling selective", settings.mass_scaling == SELECTIVE),
+        ("--mass-scaling", settings.scales),
     ):
         if given:
             raise InputError(
@@ -321,7 +321,14 @@ def plan_of(backend, wall, settings):
     modes = natural_modes(layout)
     period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s
     settings = settings.for_period(period_s)
-    options = schemes(settings, masonry_of(wall), critical_s, period_s, fastest_decay(layout))
+    options = schemes(
+        settings,
+        masonry_of(wall),
+        critical_s,
+        period_s,
+        fastest_decay(layout),
+        modes.masonry_time_step_s,
+    )
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)

@@ -46,7 +46,7 @@ wall."""
 SCATTER, MOST_MEMBERS = 0.001, 100
 """Of members: coefficient of variation of the strengths where nothing else is asked for
 (docs/guides/planning.md), and how many a single run may have."""
-MASS_SCALING = NONE, SELECTIVE = "none", "selective"
+MASS_SCALING = NONE, LINTELS, SELECTIVE = "none", "lintels", "selective"
 MOST_SCALED_STEP_S = 4e-4
 """Largest time step with selective mass scaling [s]."""
 ACCEPTED_ERROR, ACCEPTED_DROP_M = 0.004, 0.5e-3
@@ -139,8 +139,9 @@ class RunSettings:
         default=None,
         help=(
             "selective: steps of up to 2e-4 s by masses that grow with the stiffness of the intact"
-            " wall; a run that is not accepted is repeated in smaller steps (default: by the wall"
-            " and its motion, docs/validation/step-and-damping.md)"
+            " wall; lintels: longer steps by those of lintels alone; a run that is not accepted is"
+            " repeated in smaller steps (default: by the wall and its motion,"
+            " docs/validation/step-and-damping.md)"
         ),
     )
     relaxation: str = "local"
@@ -218,7 +219,7 @@ class RunSettings:
         self._check_motion()
 
     def _check_scaling(self):
-        if self.mass_scaling != SELECTIVE:
+        if not self.scales:
             return
         local = [name for name in ("relaxation", "settling") if getattr(self, name) == "local"]
         if local or self.new_contacts:
@@ -228,8 +229,8 @@ class RunSettings:
                 else ("--new-contacts", "a collision")
             )
             raise InputError(
-                f"--mass-scaling selective with {other}: {why} needs the masses themselves; leave"
-                " one of them out"
+                f"--mass-scaling {self.mass_scaling} with {other}: {why} needs the masses"
+                " themselves; leave one of them out"
             )
 
     def _check_past(self):
@@ -353,9 +354,14 @@ class RunSettings:
         return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
 
     @property
+    def scales(self):
+        """Whether masses are scaled."""
+        return self.mass_scaling in (LINTELS, SELECTIVE)
+
+    @property
     def settles(self):
         """How the wall settles after a motion, one of RELAXATIONS."""
-        return self.settling or ("adaptive" if self.mass_scaling == SELECTIVE else "local")
+        return self.settling or ("adaptive" if self.scales else "local")
 
     def for_bricks(self, cells):
         """These settings with so many cells of deformable bricks where nothing else was asked for;

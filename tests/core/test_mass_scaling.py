@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, in_python, refused_with
 from numpy.testing import assert_allclose
+from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 import damage
 from damage.errors import InputError, RunError
-from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
+from damage.law.modes import inside_lintels, mass_vector, natural_modes, stiffness_matrix
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
@@ -22,6 +23,7 @@ from damage.run.options import parse_run
 from damage.run.schedule import STEP_FACTOR
 from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall
+from damage.wall.kinds import LINTEL_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
@@ -46,7 +48,7 @@ def layout():
 
 def free_wall(layout, time_step, **how):
     """A wall without weight, at rest."""
-    wall = ReferenceWall(layout, time_step, scaled=True, **how)
+    wall = ReferenceWall(layout, time_step, scaled=slice(None), **how)
     wall.start(np.zeros((0, 2)), np.zeros(1))
     return wall
 
@@ -154,6 +156,40 @@ def test_a_wall_that_moves_as_a_whole_has_its_mass_alone():
         )
 
 
+class TestLintels:
+    @pytest.fixture(scope="class")
+    def wall(self):
+        return replace(softening_wall(), lintel="timber")
+
+    def test_scaled_ones_limit_no_step_and_nothing_else_is_scaled(self, wall):
+        """The bound is that of a mediant: K1 + K2 over M + dt^2/2 K2 is at most the larger one of
+        K1 over M and 2/dt^2."""
+        layout = lay_out(wall)
+        modes, inside = natural_modes(layout), inside_lintels(layout)
+        step = modes.masonry_time_step_s
+        assert inside.any() and step > 1.3 * modes.critical_time_step_s
+        scaled = scaled_mass(layout, step, 0.0, of=inside).whole.sparse().toarray()
+        stiffness, mass = stiffness_matrix(layout).toarray(), mass_vector(layout)
+        added = (scaled - np.diag(mass)).reshape(len(layout.bodies), 3, -1)
+        of_lintel = layout.bodies.course == LINTEL_COURSE
+        assert not added[~of_lintel].any() and added[of_lintel].any(axis=(1, 2)).all()
+        squared = eigh(stiffness, scaled, eigvals_only=True)
+        assert 2 / np.sqrt(squared[-1]) > 0.999 * step
+        assert 2 * np.pi / np.sqrt(squared[:3]) == pytest.approx(modes.period_s[:3], rel=1e-4)
+
+    def test_other_runs_keep_all_masses(self, wall):
+        found = damage.run(wall, **MILDLY, new_contacts=True, settling="local")
+        assert found.parameters["mass_scaling"] == "none"
+
+    def test_a_wall_on_ground_that_settles_moves_as_in_explicit_steps(self, wall):
+        how = SHAKEN | {"settle": "hogging", "distortion": 1 / 600, "settling": "adaptive"}
+        scaled, explicit = damage.run(wall, **how), damage.run(wall, **how, mass_scaling="none")
+        assert (scaled.parameters["mass_scaling"], scaled.parameters["repeats"]) == ("lintels", 0)
+        assert scaled.time_step_s > 2 * explicit.time_step_s and explicit.broken.any()
+        found, expected = (one.series["drift_ratio"].abs().max() for one in (scaled, explicit))
+        assert found == pytest.approx(expected, rel=0.01)
+
+
 @pytest.mark.parametrize("inputs", ["given", "typical"])
 def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs):
     """Of walls whose inputs are drawn each has a mass matrix of its own."""
@@ -161,7 +197,7 @@ def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs):
     def shaken(level):
         wall = lay_out(drawn(layout.wall, ranges(inputs), level), layout.options)
         step = 2e-4 if inputs == "given" else 2e-4 - 5e-6 * level
-        wall = ReferenceWall(wall, step, beta=1e-6, scaled=True)
+        wall = ReferenceWall(wall, step, beta=1e-6, scaled=slice(None))
         time_s = np.arange(800) * 2e-4
         wall.start(level * np.column_stack([np.sin(2 * np.pi * time_s / 0.06), 0 * time_s]))
         return wall
@@ -236,12 +272,30 @@ def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
     assert of(replace(soft, brick=replace(soft.brick, tensile_strength=1e6))) is None
 
 
-@pytest.mark.parametrize("words, shares", [("", [0.643, 0.35]), ("--mass-scaling none", [0.35])])
-def test_on_ground_that_settles_large_explicit_steps_come_first(words, shares):
+@pytest.mark.parametrize(
+    "words, shares, first",
+    [
+        ("", [1.286, 0.643, 0.35], "lintels"),
+        ("--mass-scaling lintels", [1.286, 0.643, 0.35], "lintels"),
+        ("--mass-scaling none", [0.35], "none"),
+    ],
+)
+def test_on_ground_that_settles_large_explicit_steps_come_first(words, shares, first):
+    """Larger ones, where lintels limit the critical step."""
     words = f"--settle hogging --harmonic 0.2 0.05 --settling adaptive {words}"
-    found = scheme.schemes(parse_run(words.split(), "", "reference"), softening_wall(), 4e-5, 0.06)
-    assert {settings.mass_scaling for settings, _ in found} == {"none"}
+    settings = parse_run(words.split(), "", "reference")
+    found = scheme.schemes(settings, softening_wall(), 4e-5, 0.06, masonry_s=8e-5)
+    assert [one.mass_scaling for one, _ in found] == [first] + ["none"] * (len(shares) - 1)
     assert [step / 4e-5 for _, step in found] == pytest.approx(shares, rel=0.02)
+    if words.endswith("lintels"):
+        for words in ("--mass-scaling lintels", "--mass-scaling lintels --dt 1e-5"):
+            settings = parse_run(words.split(), "", "reference")
+            critical_s = 4e-5 if "dt" in words else 8e-5
+            with pytest.raises(InputError, match="no --dt"):
+                scheme.schemes(settings, softening_wall(), critical_s, 0.06, masonry_s=8e-5)
+    else:
+        alone = scheme.schemes(settings, softening_wall(), 4e-5, 0.06, masonry_s=4e-5)
+        assert alone == tuple(one for one in found if one[0].mass_scaling == "none")
 
 
 def test_yade_takes_explicit_steps():
