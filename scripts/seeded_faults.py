@@ -73,8 +73,8 @@ FAULTS = [
                 "wall",
                 "the critical time step is half as long",
                 "damage/law/modes.py",
-                "down_to_three_digits(2 / np.sqrt(highest))",
-                "down_to_three_digits(1 / np.sqrt(highest))",
+                "down_to_three_digits(2 / np.sqrt(one))",
+                "down_to_three_digits(1 / np.sqrt(one))",
                 "test_modes",
             ),
             (

@@ -11,14 +11,12 @@ sources are not compiled again where a file was written anew.
 """
 
 import atexit
-import fcntl
 import hashlib
 import shutil
 import sys
 import tempfile
 import time
-import zlib
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
 
@@ -127,26 +125,11 @@ def _compiler(is_entry=False, inline=False):
         made = compiler(function)
         with suppress(AttributeError):  # where numba is switched off: nothing is cached
             made._cache._cache_file._source_stamp = DIGEST
-        if isinstance(made, CPUDispatcher):  # not where numba is switched off
-            made.__class__ = _Entry if is_entry else _Internal
+        if not is_entry and isinstance(made, CPUDispatcher):  # not where numba is switched off
+            made.__class__ = _Internal
         return made
 
     return decorate
-
-
-class _Entry(CPUDispatcher):
-    """A function that one process compiles, while others that call it with the same types wait to
-    load it."""
-
-    def compile(self, sig):
-        with ExitStack() as held:
-            with suppress(OSError):  # where nothing can be kept, or locked, each compiles its own
-                folder = Path(self._cache.cache_path)
-                folder.mkdir(parents=True, exist_ok=True)
-                lock = held.enter_context(open(folder / "compiling.lock", "w"))
-                name = f"{self.py_func.__qualname__} {sig}"
-                fcntl.lockf(lock, fcntl.LOCK_EX, 1, zlib.crc32(name.encode()))
-            return super().compile(sig)
 
 
 class _Internal(CPUDispatcher):

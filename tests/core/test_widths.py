@@ -6,7 +6,6 @@ import gc
 import os
 import re
 import shutil
-import subprocess
 import sys
 import weakref
 from pathlib import Path
@@ -604,30 +603,3 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
         index, compiles = tried()
         assert compiles and index != first
         first = index
-
-
-def test_of_processes_that_need_a_function_one_compiles_it(tmp_path):
-    """Those of a study begin at the same time."""
-    (tmp_path / "slow.py").write_text(
-        "import numba, time\n"
-        "from damage.mechanics.compiled import entry\n"
-        "@numba.extending.overload(time.sleep)\n"
-        "def _(seconds):\n"
-        "    time.sleep(2.0)  # while it is compiled\n"
-        "    return lambda seconds: None\n"
-        "@entry\n"
-        "def doubled(x):\n"
-        "    time.sleep(0.0)\n"
-        "    return 2.0 * x\n"
-    )
-    program = (
-        "import slow; assert slow.doubled(2.0) == 4.0; print(*slow.doubled.stats.cache_misses)"
-    )
-    path = os.pathsep.join([str(tmp_path), str(REPOSITORY)])
-    env = {**os.environ, "PYTHONPATH": path, "NUMBA_CACHE_DIR": str(tmp_path / "kept")}
-    begun = [
-        subprocess.Popen([sys.executable, "-c", program], env=env, stdout=subprocess.PIPE)
-        for _ in range(2)
-    ]
-    compiled_for = [one.communicate()[0].strip() for one in begun]
-    assert sorted(compiled_for) == [b"", b"(float64,)"]
