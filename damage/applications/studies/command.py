@@ -307,10 +307,11 @@ class Batch:
         """Say now and then how far the runs are; under_way: as of Pool."""
         now, done = time.monotonic(), self._runs_done
         made = done - self._runs_before + under_way
-        if now < self._said + WATCH_S or made < 0.1:  # of a run: too little to say how long
+        runs = sum(one.run.runs_needed(one.records) for one in self.points.values())
+        # of a run: too little to say how long
+        if now < self._said + WATCH_S or made < max(0.1, runs / 1000):
             return
         self._said = now
-        runs = sum(one.run.runs_needed(one.records) for one in self.points.values())
         left = (now - self._began) / made * (runs - done - under_way)
         share = 100 * (done + under_way) / runs
         say(f"{done} of {runs} runs, {share:.1f} % simulated; {clock(left)} left")
