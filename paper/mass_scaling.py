@@ -114,8 +114,8 @@ SCHEMES = {
     "local": ["--mass-scaling", "none"],
 }
 """{scheme: its words}; half: half of the explicit step; large: explicit steps in which runs are
-repeated first; lintels: these of walls with scaled lintels; local: explicit
-as by default, with local damping in settling stages."""
+repeated first; lintels: longer ones with scaled lintels; local: explicit as by default,
+with local damping in settling stages."""
 FACTORS = {"half": 0.5 * SOFTENING_STEP_FACTOR, "large": STEP_FACTOR}
 """{scheme: its step over the critical one}."""
 FIRST = "half", "local", "4e-4"
@@ -278,9 +278,7 @@ def _by_the_rule(case):
     settings = parse_run(
         [*words, *(["--life", "1"] if words is LIFE else [])], "", "reference"
     ).for_joint(_wall(wall).joint)
-    (settings, step_s), *_ = scheme.schemes(
-        settings, _wall(wall), _modes(wall).critical_time_step_s, float(_modes(wall).period_s[0])
-    )
+    (settings, step_s), *_ = scheme.schemes(settings, _wall(wall), _modes(wall))
     return next(
         (
             step

@@ -112,9 +112,10 @@ def joint_stiffness(layout, factors=(1.0, 1.0), of=slice(None)):
     )
 
 
-def stiffness_matrix(layout):
-    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]."""
-    return _stiffness(layout, True).sparse()
+def stiffness_matrix(layout, of=slice(None)):
+    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]; of:
+    which contact points, all by default."""
+    return _stiffness(layout, True, of=of).sparse()
 
 
 def _stiffness(layout, free, massless=0.0, of=slice(None)):
@@ -217,13 +218,12 @@ def _natural_modes(layout, n_modes):
     scale = 1 / np.sqrt(mass[free])
     top, inside = top_of(layout.wall), inside_lintels(layout)
 
-    def over_mass(blocks):
-        stiffness = blocks.sparse()
+    def over_mass(stiffness):
         if len(free) < len(mass):
             stiffness = stiffness[free][:, free]
         return (diags(scale) @ stiffness @ diags(scale)).tocsc()
 
-    matrix = stiffest = over_mass(_stiffness(layout, True))
+    matrix = stiffest = over_mass(stiffness_matrix(layout))
     if top and top.stiffness and not top.at_rest:  # beyond its play
         own = np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
         own[:, 0] = _of_bearing(layout, top.stiffness)
@@ -234,7 +234,7 @@ def _natural_modes(layout, n_modes):
         values, vectors = eigsh(matrix, k=n_modes, sigma=0.0, v0=start)
         highest = _highest(stiffest, start)
         masonry = (
-            _highest(over_mass(_stiffness(layout, True, of=~inside)), start)
+            _highest(over_mass(stiffness_matrix(layout, ~inside)), start)
             if inside.any()
             else highest
         )
@@ -257,6 +257,7 @@ def _natural_modes(layout, n_modes):
 
 
 def _highest(matrix, start):
+    """Highest squared frequency [1/s2] of a stiffness over mass, found from a start vector."""
     return eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start)[0]
 
 

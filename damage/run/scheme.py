@@ -54,17 +54,17 @@ def _is_compared(settings, wall):
     )
 
 
-def schemes(settings, wall, critical_s, period_s, decay_1_s=0.0, masonry_s=0.0):
+def schemes(settings, wall, modes, decay_1_s=0.0):
     """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted;
-    wall: damage.Wall, its critical time step and first period [s],
-    `damage.wall.soil.fastest_decay`, and the critical time step without the inside of lintels
-    (`damage.law.modes.Modes`).  Raises InputError where steps with mass scaling are no longer than
-    explicit ones, or longer than was shown."""
+    wall: damage.Wall, its `damage.law.modes.Modes` and `damage.wall.soil.fastest_decay` [1/s].
+    Raises InputError where steps with mass scaling are no longer than explicit ones, or longer than
+    was shown."""
+    critical_s, masonry_s = modes.critical_time_step_s, modes.masonry_time_step_s
     step_s = settings.time_step_s or settings.loading.preferred_step_s(
         DEFORMABLE_STEP_S
         if settings.model.has_modes
         else SLENDER_STEP_S
-        if wall.openings and period_s >= SLENDER_S
+        if wall.openings and modes.period_s[0] >= SLENDER_S
         else STIFF_STEP_S
     )
 

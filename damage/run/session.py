@@ -319,16 +319,8 @@ def plan_of(backend, wall, settings):
     wall = drawn(wall, ranges(settings.model.inputs), settings.model.strength_seed)
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
-    period_s, critical_s = float(modes.period_s[0]), modes.critical_time_step_s
-    settings = settings.for_period(period_s)
-    options = schemes(
-        settings,
-        masonry_of(wall),
-        critical_s,
-        period_s,
-        fastest_decay(layout),
-        modes.masonry_time_step_s,
-    )
+    settings = settings.for_period(float(modes.period_s[0]))
+    options = schemes(settings, masonry_of(wall), modes, fastest_decay(layout))
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)

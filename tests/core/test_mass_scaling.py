@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 
 import damage
 from damage.errors import InputError, RunError
-from damage.law.modes import inside_lintels, mass_vector, natural_modes, stiffness_matrix
+from damage.law.modes import Modes, inside_lintels, mass_vector, natural_modes, stiffness_matrix
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
@@ -44,6 +44,11 @@ def softening_wall():
 @pytest.fixture(scope="module")
 def layout():
     return lay_out(softening_wall())
+
+
+def modes_of(critical_s, masonry_s=None, period_s=0.06):
+    """Modes of which the rule of steps asks, in place of those of a wall."""
+    return Modes(np.array([period_s]), None, critical_s, masonry_s or critical_s)
 
 
 def free_wall(layout, time_step, **how):
@@ -261,7 +266,7 @@ def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
 
     def of(wall, period_s=0.06):
         (settings, step), *_ = scheme.schemes(
-            parse_run(words.split(), "", "reference"), wall, 4e-5, period_s
+            parse_run(words.split(), "", "reference"), wall, modes_of(4e-5, period_s=period_s)
         )
         return step if settings.mass_scaling == "selective" else None
 
@@ -284,23 +289,24 @@ def test_on_ground_that_settles_large_explicit_steps_come_first(words, shares, f
     """Larger ones, where lintels limit the critical step."""
     words = f"--settle hogging --harmonic 0.2 0.05 --settling adaptive {words}"
     settings = parse_run(words.split(), "", "reference")
-    found = scheme.schemes(settings, softening_wall(), 4e-5, 0.06, masonry_s=8e-5)
+    found = scheme.schemes(settings, softening_wall(), modes_of(4e-5, 8e-5))
     assert [one.mass_scaling for one, _ in found] == [first] + ["none"] * (len(shares) - 1)
     assert [step / 4e-5 for _, step in found] == pytest.approx(shares, rel=0.02)
-    if words.endswith("lintels"):
-        for words in ("--mass-scaling lintels", "--mass-scaling lintels --dt 1e-5"):
-            settings = parse_run(words.split(), "", "reference")
-            critical_s = 4e-5 if "dt" in words else 8e-5
-            with pytest.raises(InputError, match="no --dt"):
-                scheme.schemes(settings, softening_wall(), critical_s, 0.06, masonry_s=8e-5)
-    else:
-        alone = scheme.schemes(settings, softening_wall(), 4e-5, 0.06, masonry_s=4e-5)
-        assert alone == tuple(one for one in found if one[0].mass_scaling == "none")
+    if settings.mass_scaling is None:
+        alone = scheme.schemes(settings, softening_wall(), modes_of(4e-5))
+        assert alone == found[1:]
+
+
+@pytest.mark.parametrize("masonry_s, words", [(4e-5, ""), (8e-5, "--dt 1e-5")])
+def test_scaled_lintels_that_change_no_step_are_refused(masonry_s, words):
+    settings = parse_run(f"--mass-scaling lintels {words}".split(), "", "reference")
+    with pytest.raises(InputError, match="no --dt"):
+        scheme.schemes(settings, softening_wall(), modes_of(4e-5, masonry_s))
 
 
 def test_yade_takes_explicit_steps():
     (settings, step), *others = scheme.schemes(
-        parse_run([], "", "yade"), softening_wall(), 4e-5, 0.2
+        parse_run([], "", "yade"), softening_wall(), modes_of(4e-5, period_s=0.2)
     )
     assert settings.mass_scaling == "none" and step < 4e-5 and not others
 

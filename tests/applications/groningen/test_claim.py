@@ -54,6 +54,7 @@ from damage.applications.report.words import LANGUAGES, all_words, number
 from damage.applications.studies import folder
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import line_of, point_line, read_records
+from damage.law.modes import Modes
 from damage.measure.cracks import ENDS
 from damage.measure.evidence import QUANTITIES
 from damage.motion.settlement import PROFILES
@@ -169,9 +170,9 @@ class TestTwins:
         same explicit step."""
         address = {"latitude": 53.36786, "longitude": 6.71359, "above_mm_s": 12.0, "within_km": 3.5}
         study = load_study(write_twins(tmp_path, wall, address, {}, {}, 2), "reference")
-        found = {}
+        modes, found = Modes(np.array([0.1]), None, 5e-5, 5e-5), {}
         for point in study.runs:
-            steps = schemes(point.settings(REPOSITORY), load_wall(point.wall), 5e-5, 0.1)
+            steps = schemes(point.settings(REPOSITORY), load_wall(point.wall), modes)
             found[point.point.partition("_")[0]] = [
                 (one.settles, one.mass_scaling, step) for one, step in steps
             ]
