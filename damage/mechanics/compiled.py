@@ -152,6 +152,7 @@ class _Announcement(event.Listener):
 
     def __init__(self):
         self.began, self.depth, self.ended = None, 0, Event()
+        self.ended.set()
 
     def on_start(self, event):
         if not _is_ours(event):

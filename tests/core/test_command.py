@@ -33,6 +33,7 @@ def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):
     function = SimpleNamespace(py_func=SimpleNamespace(__module__="damage.mechanics.step"))
     begun = SimpleNamespace(data={"dispatcher": function})
     listener = compiled._Announcement()
+    listener.on_end(SimpleNamespace(data={"dispatcher": print}))  # of another project's function
     for step in (listener.on_start, listener.on_start, listener.on_end):  # one within another
         step(begun)
     time.sleep(0.1)
