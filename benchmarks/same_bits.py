@@ -42,6 +42,7 @@ import pandas as pd
 ROOT, TREE = Path(__file__).resolve().parents[1], "SAME_BITS_TREE"
 sys.path.insert(0, os.environ.get(TREE, str(ROOT)))
 
+import damage.applications  # noqa: F401, options of the runs
 from damage.history.reader import read_history
 from damage.reference import bits
 
