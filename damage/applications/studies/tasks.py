@@ -75,7 +75,8 @@ class Task:
 
     @property
     def company(self):
-        """Properties that runs share which step together from beginning to end."""
+        """Properties that runs share which step together from beginning to end; first of them a
+        key of those without which their bricks, or how they scale masses, differ."""
         return company_of(self.point)
 
 
@@ -86,7 +87,7 @@ def company_of(point):
         return None
     settings = point.settings(ROOT)
     return (
-        point.wall,
+        (point.wall, settings.settlement is None),
         replace(settings.model, strength_seed=0),
         settings.time_step_s,
         settings.alpha_1_s,

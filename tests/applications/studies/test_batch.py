@@ -296,6 +296,23 @@ class TestPool:
             name for name in done if name in ("p0_reference", "p2_reference", "p4_reference")
         ] == done[:3]
 
+    def test_a_process_has_tasks_of_one_key_at_a_time(self, pool, tmp_path):
+        def work(connection, *_):
+            """Ends tasks when no more come."""
+            taken = []
+            while True:
+                while taken and not connection.poll(0.2):
+                    connection.send((taken.pop(), 0, {"beside": len(taken)}))
+                taken.append(connection.recv())
+                if taken[-1] is None:
+                    return
+                assert len({task.point.options for task in taken}) == 1
+
+        one, _ = pool(work, jobs=1)
+        beside = []
+        one.run(self.tasks(tmp_path, 6), lambda _, record: beside.append(record["beside"]) or ())
+        assert beside == [2, 1, 0, 2, 1, 0] and one.failed == []
+
     def test_a_task_whose_process_is_lost_twice_has_failed_and_the_others_are_done(
         self, pool, tmp_path
     ):
