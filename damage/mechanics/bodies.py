@@ -93,34 +93,39 @@ def move_all(n, tables, strain, controls, damped):
 def move_bodies(n, tables, strain, controls, damped):
     """Advance all bodies; damped: whether the bench has damping; n: a width, ROWS where bodies have
     no strain modes."""
-    alike, sums, inertia = True, tables.sums, tables.inertia
+    alike = True
     bench = bench_of(table_width(n), tables.bench, 0)
     for w in range(len(controls)):
         alike &= controls[w, TIME_STEP] == controls[0, TIME_STEP]
     for b in range(0, len(tables.turning), rows_of(n)):
-        lost = zero(n)
-        x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
-        swept_x, driven_x, taken_x, vx = move_coordinate(
-            n, inertia, b, X, bench, bench.base_x, fx, damped
-        )
-        swept_z, driven_z, taken_z, vz = move_coordinate(
-            n, inertia, b, Z, bench, bench.pull_z, fz, damped
-        )
-        _, driven, taken, turning = move_coordinate(
-            n, inertia, b, ROTATION, bench, 0.0, moment, damped
-        )
-        put(n, tables, b, x + bench.step * vx, z + bench.step * vz, rotation + bench.step * turning)
-        add_part(n, sums, SWEPT_X, b, swept_x)
-        add_part(n, sums, SWEPT_Z, b, swept_z)
-        add_part(n, sums, DRIVEN, b, driven_x + driven_z + driven)
-        if damped:
-            lost = taken_x + taken_z + taken
+        lost = move_rigidly(n, tables, bench, b, damped)
         if strain is not None:
             if alike:
                 lost = move_modes(n, tables, bench, strain, controls[0, TIME_STEP], b, lost, damped)
             else:
                 lost = move_modes(n, tables, bench, strain, bench.step, b, lost, damped)
-        add_part(n, sums, TAKEN, b, lost)
+        add_part(n, tables.sums, TAKEN, b, lost)
+
+
+@inlined
+def move_rigidly(n, tables, bench, b, damped):
+    """Advance the rigid coordinates of body b by a step; returns the power of their damping [W]."""
+    sums, inertia = tables.sums, tables.inertia
+    x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
+    swept_x, driven_x, taken_x, vx = move_coordinate(
+        n, inertia, b, X, bench, bench.base_x, fx, damped
+    )
+    swept_z, driven_z, taken_z, vz = move_coordinate(
+        n, inertia, b, Z, bench, bench.pull_z, fz, damped
+    )
+    _, driven, taken, turning = move_coordinate(n, inertia, b, ROTATION, bench, 0.0, moment, damped)
+    put(n, tables, b, x + bench.step * vx, z + bench.step * vz, rotation + bench.step * turning)
+    add_part(n, sums, SWEPT_X, b, swept_x)
+    add_part(n, sums, SWEPT_Z, b, swept_z)
+    add_part(n, sums, DRIVEN, b, driven_x + driven_z + driven)
+    if damped:
+        return taken_x + taken_z + taken
+    return zero(n)
 
 
 @inlined

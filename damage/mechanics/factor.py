@@ -63,6 +63,7 @@ class ScaledMass:
             body=np.repeat(order, nodes),
             first=np.tile(first, len(order)),
             count=np.tile(count, len(order)),
+            alone=int(np.searchsorted(start, 1)) - 1,
             start=start.astype(ROW),
             below=factor.below.astype(ROW),
             lower=factor.lower.reshape(-1, 9, 1),

@@ -10,7 +10,7 @@ balance holds; input is work on M alone.  The solution is by a block factor L D 
 
 from typing import NamedTuple
 
-from damage.mechanics.bodies import advance, coordinates, put, rates
+from damage.mechanics.bodies import advance, coordinates, move_rigidly, put, rates
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.rows import (
     bench_of,
@@ -41,31 +41,37 @@ def move_scaled(n, tables, matrix, strain, damped):
     """Advance all bodies by a step with mass scaling; damped: as of
     `damage.mechanics.bodies.rates`."""
     places, sums, room = tables.bodies, tables.sums, matrix.room
-    dt = bench_of(n, tables.bench, 0).step
-    find_rates(n, tables, matrix, strain, damped)
-    for i in range(len(matrix.body)):
+    bench = bench_of(n, tables.bench, 0)
+    for i in range(matrix.alone):
+        b = matrix.body[i]
+        add_part(n, sums, TAKEN, b, move_rigidly(n, tables, bench, b, damped))
+    find_rates(n, tables, matrix, strain, damped, matrix.alone)
+    for i in range(matrix.alone, len(matrix.body)):
         b, first = matrix.body[i], matrix.first[i]
         for k in range(matrix.count[i]):
             c, rate, lost = first + k, load(n, room, i, k), load(n, room, i, LOST + k)
             force = force_of(n, places, b, c)
-            swept, driven, taken, new = advance(n, tables.inertia, b, c, dt, rate, lost, force)
+            swept, driven, taken, new = advance(
+                n, tables.inertia, b, c, bench.step, rate, lost, force
+            )
             if c in (X, Z):
                 add_part(n, sums, SWEPT_X + c, b, swept)
             add_part(n, sums, DRIVEN, b, driven)
             add_part(n, sums, TAKEN, b, taken)
-            store(n, places, b, PLACE + c, place_of(n, places, b, c) + dt * new)
+            store(n, places, b, PLACE + c, place_of(n, places, b, c) + bench.step * new)
             store(n, places, b, first_force(places) + c, 0.0)
         if first == 0:
             put(n, tables, b, *coordinates(n, places, tables.every, b)[:3])
 
 
 @compiled
-def find_rates(n, tables, matrix, strain, damped):
-    """Write the rates of change of all velocities into the room, and behind them mass times
-    deceleration by damping; damped: as of `damage.mechanics.bodies.rates`."""
+def find_rates(n, tables, matrix, strain, damped, since):
+    """Write the rates of change of the velocities of the nodes from `since` on into the room, and
+    behind them mass times deceleration by damping; damped: as of `damage.mechanics.bodies.rates`.
+    """
     places, inertia, room = tables.bodies, tables.inertia, matrix.room
     bench = bench_of(n, tables.bench, 0)
-    for i in range(len(matrix.body)):
+    for i in range(since, len(matrix.body)):
         b = matrix.body[i]
         for k in range(matrix.count[i]):
             c, lost = matrix.first[i] + k, zero(n)
@@ -79,21 +85,22 @@ def find_rates(n, tables, matrix, strain, damped):
             lost = lost + mass * resistance
             store(n, room, i, k, mass * rate - lost)
             store(n, room, i, LOST + k, lost)
-    solve(n, matrix)
+    solve(n, matrix, since)
 
 
 @inlined
-def solve(n, matrix):
-    """Replace the first three fields of the room by the solution of L D L' x = them."""
+def solve(n, matrix, since):
+    """Replace the first three fields of the room by the solution of L D L' x = them; nothing
+    couples the nodes before `since`."""
     room, start, below, e = matrix.room, matrix.start, matrix.below, ROW(0)
-    for node in range(len(matrix.body)):
+    for node in range(since, len(matrix.body)):
         known = values_of(n, room, node)
         while e < start[node + 1]:
             change = product(n, matrix.lower, e, known)
             keep_values(n, room, below[e], less(values_of(n, room, below[e]), change))
             e += ROW(1)
     node = ROW(len(matrix.body))
-    while node > ROW(0):
+    while node > ROW(since):
         node -= ROW(1)
         found = product(n, matrix.inverse, node, values_of(n, room, node))
         while e > start[node]:
@@ -152,7 +159,7 @@ def along(n, blocks, i, first, apart, of):
 def scaled_kinetic_energy(n, tables, matrix, strain):
     """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half
     a step."""
-    find_rates(n, tables, matrix, strain, False)
+    find_rates(n, tables, matrix, strain, False, 0)
     room, half = matrix.room, 0.5 * bench_of(n, tables.bench, 0).step
     for i in range(len(matrix.body)):
         for k in range(matrix.count[i]):

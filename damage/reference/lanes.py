@@ -214,7 +214,7 @@ def kind_of(wall):
         *of_modes,
         *wall.cuts[:-1],
         np.array([len(system.radiation), len(system.bearings)]),
-        *(wall.mass.matrix[:5] if wall.mass else ()),
+        *(wall.mass.matrix[:6] if wall.mass else ()),
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
     return wall.loose is None, hashlib.sha256(b"".join(parts)).digest()

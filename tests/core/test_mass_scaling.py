@@ -51,9 +51,9 @@ def modes_of(critical_s, masonry_s=None, period_s=0.06):
     return Modes(np.array([period_s]), None, critical_s, masonry_s or critical_s)
 
 
-def free_wall(layout, time_step, **how):
+def free_wall(layout, time_step, scaled=slice(None), **how):
     """A wall without weight, at rest."""
-    wall = ReferenceWall(layout, time_step, scaled=slice(None), **how)
+    wall = ReferenceWall(layout, time_step, scaled=scaled, **how)
     wall.start(np.zeros((0, 2)), np.zeros(1))
     return wall
 
@@ -114,8 +114,8 @@ def test_a_step_solves_with_the_matrix_as_scipy_does(layout):
     in_python("import test_mass_scaling as t; t.in_plain_python()", NUMBA_DISABLE_JIT="1")
 
 
-def solves_as_scipy_does(layout, held):
-    wall = free_wall(layout, 2e-4, beta=1e-6)
+def solves_as_scipy_does(layout, held, scaled=slice(None)):
+    wall = free_wall(layout, 2e-4, scaled, beta=1e-6)
     if held:
         wall.hold(layout.pushed_bodies, rotation=True)
     n, size = len(layout.bodies), wall.system.place.shape[1]
@@ -182,6 +182,14 @@ class TestLintels:
         assert 2 / np.sqrt(squared[-1]) > 0.999 * step
         assert 2 * np.pi / np.sqrt(squared[:3]) == pytest.approx(modes.period_s[:3], rel=1e-4)
 
+    def test_a_step_couples_the_beams_alone(self, wall):
+        layout = lay_out(wall)
+        for held in (False, True):
+            solves_as_scipy_does(layout, held, inside_lintels(layout))
+        matrix = scaled_mass(layout, 2e-4, 1e-6, of=inside_lintels(layout)).matrix
+        first = layout.bodies.course[matrix.body[: matrix.alone]]
+        assert len(first) == np.sum(layout.bodies.course != LINTEL_COURSE)
+
     def test_other_runs_keep_all_masses(self, wall):
         found = damage.run(wall, **MILDLY, new_contacts=True, settling="local")
         assert found.parameters["mass_scaling"] == "none"
@@ -195,16 +203,22 @@ class TestLintels:
         assert found == pytest.approx(expected, rel=0.01)
 
 
-@pytest.mark.parametrize("inputs", ["given", "typical"])
-def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs):
+@pytest.mark.parametrize(
+    "inputs, lintel", [("given", None), ("typical", None), ("given", "timber")]
+)
+def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs, lintel):
     """Of walls whose inputs are drawn each has a mass matrix of its own."""
+    of = replace(layout.wall, lintel=lintel) if lintel else layout.wall
 
     def shaken(level):
-        wall = lay_out(drawn(layout.wall, ranges(inputs), level), layout.options)
-        step = 2e-4 if inputs == "given" else 2e-4 - 5e-6 * level
-        wall = ReferenceWall(wall, step, beta=1e-6, scaled=slice(None))
-        time_s = np.arange(800) * 2e-4
-        wall.start(level * np.column_stack([np.sin(2 * np.pi * time_s / 0.06), 0 * time_s]))
+        wall = lay_out(drawn(of, ranges(inputs), level), layout.options)
+        step, scaled = 2e-4 if inputs == "given" else 2e-4 - 5e-6 * level, slice(None)
+        if lintel:
+            step, scaled = 0.6 * natural_modes(wall).masonry_time_step_s, inside_lintels(wall)
+            level *= 30
+        wall = ReferenceWall(wall, step, beta=1e-6, scaled=scaled)
+        turns = np.arange(800) / 300
+        wall.start(level * np.column_stack([np.sin(2 * np.pi * turns), 0 * turns]))
         return wall
 
     walls, alone = [shaken(level) for level in range(2, 8)], shaken(6)
