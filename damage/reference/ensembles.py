@@ -11,7 +11,8 @@ from damage.run.cooperative import WAITED
 LEAST_LANES = 5
 """Least number of walls with rigid bricks in a batch.  A batch computes eight SIMD lanes, however
 many are in use: fewer walls are faster one by one, since a single wall takes a quarter of the time
-of a batch with AVX-512 and a fifth with AVX2.  Of walls with deformable bricks two are enough."""
+of a batch with AVX-512 and a fifth with AVX2.  Of walls with mass scaling of all joints three are
+enough, of deformable bricks two: of one wall each body is moved by itself."""
 
 
 def move(asked):
@@ -32,12 +33,19 @@ def move(asked):
     return [failures.get(wall, WAITED) for wall, *_ in asked]
 
 
+def _least(wall):
+    """LEAST_LANES of walls alike."""
+    if wall.layout.strain is not None:
+        return 2
+    return 3 if wall.mass and not wall.mass.matrix.alone else LEAST_LANES
+
+
 def _chosen(walls):
     """Batches to advance now, a list of {wall: numbers of steps}.
 
     walls: {wall: numbers of steps that it asks for}, of walls that can be in one batch.
     """
-    least = LEAST_LANES if next(iter(walls)).layout.strain is None else 2
+    least = _least(next(iter(walls)))
     if len(walls) < least:
         return [{wall: steps} for wall, steps in walls.items()]
     # Those that react to each sample, as on ground that settles, would make all others take few
