@@ -359,30 +359,34 @@ def soften(opening, trial, state, parameters):
 
     opening: at the end of the step [m]; trial: elastic shear stress there [Pa].  kappa after the
     step is the smallest solution of the implicit equation kappa = grown(kappa).  `grown` increases
-    with kappa, so that fixed-point iteration from the old kappa converges to it from below.  A
-    solution exists for all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may
-    jump.
+    with kappa, so that fixed-point iteration from the old kappa converges to it from below; where
+    its steps more than halve, Aitken's extrapolation follows two of them.  A solution exists for
+    all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may jump.
     """
     kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
     rate_i = (1.0 - GONE) * parameters.tensile_strength / parameters.mode_i_energy
     rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy
-    kappa = state.kappa
+    kappa, step = state.kappa, 0.0
+    share = old_share = exp(-kappa)
     for _ in range(200):
-        sigma, gap, tau = on_the_envelope(exp(-kappa), opening, trial, state.gap, parameters)
+        sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
         grown = state.kappa + rate_i * (gap - state.gap) + rate_ii * (abs(trial) - tau) / ks
-        done = abs(grown - kappa) <= 1e-13 * (1.0 + kappa)
-        kappa = grown
-        if done:
+        before, step = step, grown - kappa
+        if abs(step) <= 1e-13 * (1.0 + kappa):
             break
+        kappa = grown
+        if 0.0 < step < 0.5 * before:
+            kappa += step * step / (before - step)
+            step = 0.0
+        share = exp(-kappa)
 
-    share, event = exp(-kappa), INTACT
+    event = INTACT
     if share <= GONE:
         event = SHEAR if rate_ii * (abs(trial) - tau) / ks > rate_i * (gap - state.gap) else TENSION
         share = 0.0
-    sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
+        sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
     slid = (abs(trial) - tau) / ks
     fracture_work, slip, at_limit = state.fracture_work, state.slip, state.at_limit
-    old_share = exp(-state.kappa)
     if opening > 0.0:  # work of the decrease of the secant stiffness
         strength = old_share * parameters.tensile_strength
         old, new = tension_stiffness(strength, state.gap, kn), sigma / opening

@@ -106,6 +106,20 @@ class TestLaw:
         )
         assert tension == approx(FT * math.exp(-slid.kappa), rel=1e-2) and tension < 0.6 * FT
 
+    @pytest.mark.parametrize("energy", [100.0, 5.0, 0.5])
+    def test_opened_and_slid_at_once_it_is_on_its_envelope(self, energy):
+        """(S1) to (S3), from where growth of kappa by itself is negligible to 0.99 of it."""
+        law, draw = LAW._replace(mode_i_energy=energy), np.random.default_rng(2).uniform
+        for _ in range(300):
+            opening, shear = draw(0.0, 2e-5), draw(0.0, 2e-5)
+            (old, new), events, _ = follow([(opening, shear), (1.1 * opening, 1.2 * shear)], law)
+            if SHEAR in events or TENSION in events:
+                continue
+            trial = old.shear_stress + KS * 0.2 * shear
+            grown = FT * (new.gap - old.gap) / energy + C * (trial - new.shear_stress) / KS / G2
+            assert new.kappa - old.kappa == approx((1 - GONE) * grown, rel=1e-9, abs=1e-12)
+            assert new.normal_stress <= FT * math.exp(-new.kappa) * (1 + 1e-12)
+
     def test_the_bond_goes_at_its_last_hundredth_and_says_how(self):
         states, events, _ = follow([(k * 1e-7, 0.0) for k in range(3000)])
         failure = events.index(TENSION)
