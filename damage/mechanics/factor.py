@@ -48,11 +48,14 @@ class ScaledMass:
     def __init__(self, key, layout, time_step, beta, held, of):
         self.key, self.beta, self.of = key, beta, of
         self.whole = _scaled(layout, time_step, beta, held, of)
-        self.matrix = self._factor(len(layout.supports))
+        self.matrix = self._factor(layout)
 
-    def _factor(self, supports):
-        """The Matrix without room; nothing couples the supports, whose nodes are the last."""
+    def _factor(self, layout):
+        """The Matrix without room; nothing couples the supports, whose nodes are the last, nor
+        bodies without these contact points, whose nodes are the first."""
         factor, size = factorised(self.whole), self.whole.values.shape[1]
+        contacts, supports = layout.contacts, len(layout.supports)
+        scaled = np.isin(factor.order, [contacts.first[self.of], contacts.second[self.of]])
         nodes, bodies = factor.per_body, len(factor.order)
         order = [*factor.order, *range(bodies, bodies + supports)]
         first = np.arange(0, size, RIGID)  # coordinate of each node of a body
@@ -63,7 +66,7 @@ class ScaledMass:
             body=np.repeat(order, nodes),
             first=np.tile(first, len(order)),
             count=np.tile(count, len(order)),
-            alone=int(np.searchsorted(start, 1)) - 1,
+            alone=nodes * int(np.argmax(scaled)),
             start=start.astype(ROW),
             below=factor.below.astype(ROW),
             lower=factor.lower.reshape(-1, 9, 1),

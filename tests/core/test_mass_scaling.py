@@ -114,6 +114,12 @@ def test_a_step_solves_with_the_matrix_as_scipy_does(layout):
     in_python("import test_mass_scaling as t; t.in_plain_python()", NUMBA_DISABLE_JIT="1")
 
 
+def test_a_brick_on_the_ground_without_neighbours_is_scaled():
+    layout = lay_out(Wall("one", 0.225, 0.075, joint=softening_wall().joint, precompression=0.0))
+    assert len(layout.bodies) == 1
+    solves_as_scipy_does(layout, False)
+
+
 def solves_as_scipy_does(layout, held, scaled=slice(None)):
     wall = free_wall(layout, 2e-4, scaled, beta=1e-6)
     if held:
