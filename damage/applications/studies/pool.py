@@ -53,11 +53,11 @@ class Worker:
 
     def takes(self, task, share):
         """Whether a task can go to it; share: how many runs step together in a process, all of one
-        key of Task.company: of two keys each would have too few for a batch."""
+        Task.batch: of two, each would have too few."""
         return not self.tasks or (
             len(self.tasks) < share
             and all(one.steps and not one.alone for one in (task, *self.tasks))
-            and task.company[0] == self.tasks[0].company[0]
+            and task.batch == self.tasks[0].batch
         )
 
     def give(self, task):

@@ -75,9 +75,14 @@ class Task:
 
     @property
     def company(self):
-        """Properties that runs share which step together from beginning to end; first of them a
-        key of those without which their bricks, or how they scale masses, differ."""
+        """Properties that runs share which step together from beginning to end."""
         return company_of(self.point)
+
+    @property
+    def batch(self):
+        """Properties without which runs cannot be in one batch: their bricks, or the masses that
+        are scaled, differ."""
+        return batch_of(self.point)
 
 
 @cache
@@ -87,12 +92,18 @@ def company_of(point):
         return None
     settings = point.settings(ROOT)
     return (
-        (point.wall, settings.settlement is None),
+        point.wall,
         replace(settings.model, strength_seed=0),
         settings.time_step_s,
         settings.alpha_1_s,
         settings.beta_s,
     )
+
+
+@cache
+def batch_of(point):
+    """As Task.batch, of all runs of a point."""
+    return point.wall, point.settings(ROOT).settlement is None
 
 
 def slices(runs, n):

@@ -266,6 +266,9 @@ class TestPool:
             monkeypatch.setattr(
                 "damage.applications.studies.tasks.company_of", lambda point: point.options
             )
+            monkeypatch.setattr(
+                "damage.applications.studies.tasks.batch_of", lambda point: point.point[0] == "s"
+            )
             lines = []
             return Pool(jobs, work, -1, tmp_path, lines.append), lines
 
@@ -296,22 +299,23 @@ class TestPool:
             name for name in done if name in ("p0_reference", "p2_reference", "p4_reference")
         ] == done[:3]
 
-    def test_a_process_has_tasks_of_one_key_at_a_time(self, pool, tmp_path):
+    def test_a_process_has_one_batch_at_a_time_and_batches_keep_their_order(self, pool, tmp_path):
         def work(connection, *_):
             """Ends tasks when no more come."""
             taken = []
             while True:
                 while taken and not connection.poll(0.2):
-                    connection.send((taken.pop(), 0, {"beside": len(taken)}))
+                    connection.send((taken.pop(), 0, {}))
                 taken.append(connection.recv())
                 if taken[-1] is None:
                     return
-                assert len({task.point.options for task in taken}) == 1
+                assert len({task.point.point[0] for task in taken}) == 1
 
         one, _ = pool(work, jobs=1)
-        beside = []
-        one.run(self.tasks(tmp_path, 6), lambda _, record: beside.append(record["beside"]) or ())
-        assert beside == [2, 1, 0, 2, 1, 0] and one.failed == []
+        done, asked = [], ("b0", "b1", "s2", "s3", "b4")
+        tasks = [Task(tmp_path, StudyRun(k, "w.py", (), "reference"), 1, True) for k in asked]
+        one.run(tasks, lambda task, _: done.append(task.point.point) or ())
+        assert [name[0] for name in done] == ["b", "b", "s", "s", "b"] and one.failed == []
 
     def test_a_task_whose_process_is_lost_twice_has_failed_and_the_others_are_done(
         self, pool, tmp_path
