@@ -125,7 +125,7 @@ class ReferenceWall:
     @property
     def slip(self):
         """Accumulated slip: plastic shear displacement while closed, (n_joints,) [m]."""
-        return self.of_joints(self.system.states["slip"])
+        return self.of_joints(self.system.bonds["slip"])
 
     @property
     def offset(self):
