@@ -57,7 +57,7 @@ def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
     rotates, lifts: whether the top may."""
     wall = settled_wall(layout)
     wall.start(np.zeros((0, 2)))
-    caps, states, bonds = layout.pushed_bodies, wall.system.states, wall.system.bonds
+    caps, states = layout.pushed_bodies, wall.system.states
     wall.hold(caps, not rotates)
     if not lifts:
         wall.system.inverse_mass[caps, Z] = wall.system.velocity[caps, Z] = 0.0
@@ -67,10 +67,10 @@ def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
     while not rows or rows[-1][0] < farthest:
         for _ in range(steps):
             wall.run(EVERY)
-            states["closure"] = -thickening(bonds["slip"], dilatancy)
+            states["closure"] = -thickening(states["slip"], dilatancy)
         moved = wall.displacement[caps, :2].mean(axis=0) - start
         rows.append((moved[0], wall.push_force(), moved[1]))
-    return Pushed(*np.array(rows).T, bonds["slip"].copy())
+    return Pushed(*np.array(rows).T, states["slip"].copy())
 
 
 def two_bricks():

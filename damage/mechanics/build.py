@@ -60,7 +60,7 @@ def build(layout):
     )
     system = system_of(tables, 0)
     system.material[:] = material_of(layout.wall.joint)
-    _set_strengths(system, layout, row, share)
+    _set_strengths(system.strengths, layout, row, share)
     for name, of in range_left(ContactState(), law_of(system))._asdict().items():
         system.states[f"elastic_{name}"] = of
     system.states["idle"] = -1.0
@@ -147,8 +147,8 @@ def _contacts(layout, row, share, middle):
     )
 
 
-def _set_strengths(system, layout, row, share):
-    """Write stiffnesses and strengths; row, share: of `contact_rows`."""
+def _set_strengths(strengths, layout, row, share):
+    """Fill the table STRENGTHS; row, share: of `contact_rows`."""
     contacts, joint, bonds = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
     area, none = contacts.area[row] * share, layout.fibres or not joint.softens
     of_cuts = to_bits(layout.wall.brick.fracture_energy or 0.0)
@@ -157,8 +157,8 @@ def _set_strengths(system, layout, row, share):
         np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(0.0 if none else energy))[row]
         for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     )
-    system.stiffnesses["normal_stiffness"] = contacts.normal_stiffness[row]
-    system.stiffnesses["shear_stiffness"] = contacts.shear_stiffness[row]
+    strengths["normal_stiffness"] = contacts.normal_stiffness[row]
+    strengths["shear_stiffness"] = contacts.shear_stiffness[row]
     for name, values in (
         ("tensile_strength", bonds.tensile_strength),
         ("cohesion", bonds.cohesion),
@@ -167,7 +167,7 @@ def _set_strengths(system, layout, row, share):
         ("compressive_strength", contacts.compressive_strength[row]),
         ("crushing_energy", to_bits(joint.compressive_fracture_energy or 0.0)),
     ):
-        system.bonds[name] = values * area
+        strengths[name] = values * area
 
 
 def _interfaces(layout, row):
@@ -209,10 +209,10 @@ def _interfaces(layout, row):
 
 def law_of(system):
     """LawParameters of all contact points, without fracture energies."""
-    of, area = system.bonds, system.contacts["area"]
+    of, area = system.strengths, system.contacts["area"]
     return LawParameters(
-        system.stiffnesses["normal_stiffness"] * area,
-        system.stiffnesses["shear_stiffness"] * area,
+        of["normal_stiffness"] * area,
+        of["shear_stiffness"] * area,
         of["tensile_strength"],
         of["cohesion"],
         Material(*system.material),

@@ -34,16 +34,14 @@ from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import contacts
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.rows import (
-    in_bond,
     inverse_mass_of,
-    keep_in_bond,
     place_of,
     push_body,
     springs_of,
     strengths_of,
     velocity_of,
 )
-from damage.mechanics.simd import add, argument, flags_of, load, zero
+from damage.mechanics.simd import add, argument, flags_of, load, store, zero
 from damage.mechanics.tables import (
     COS1,
     DAMPING,
@@ -608,13 +606,13 @@ def break_bonds(n, tables, interface, step, motion):
     """Let all bonds of an interface fail, and log those that were intact; returns False where it is
     elastic."""
     for i in range(interface.start, interface.stop):
-        of = strengths_of(n, tables, i)
+        of = strengths_of(n, tables.strengths, i)
         if of.tensile_strength == np.inf and of.cohesion == np.inf:
             return False
     for i in range(interface.start, interface.stop):
-        if in_bond(n, tables, i, contacts.BROKEN) == 0.0:
+        if load(n, tables.states, i, contacts.BROKEN) == 0.0:
             trial, area = contacts.present_forces(n, tables, i, motion), tables.contacts[i].area
-            keep_in_bond(n, tables, i, contacts.BROKEN, 1.0)
+            store(n, tables.states, i, contacts.BROKEN, 1.0)
             contacts.log_event(
                 tables, n.lane, step, i, TENSION, (trial.sigma / area, trial.tau / area, 0.0, 0.0)
             )

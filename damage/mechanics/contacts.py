@@ -27,26 +27,36 @@ from damage.mechanics.simd import (
     zero,
 )
 from damage.mechanics.tables import (
-    BONDS,
     CONTACT_FIELDS,
     FRACTURE,
     FRICTION,
     LARGEST_SLIDE,
     OPENED,
     SLIPPED,
+    STRENGTHS,
     Reading,
 )
 
-NORMAL_STRESS, SHEAR_STRESS, KAPPA, CLOSURE, SHEAR0, IDLE = map(
-    CONTACT_FIELDS.index, ("normal_stress", "shear_stress", "kappa", "closure", "shear0", "idle")
-)
-SLIP, BROKEN, AT_LIMIT, PASSED, COHESION = map(
-    BONDS.index, ("slip", "broken", "at_limit", "passed", "cohesion")
+NORMAL_STRESS, SHEAR_STRESS, BROKEN, AT_LIMIT, SLIP, KAPPA, CLOSURE, SHEAR0, IDLE, PASSED = map(
+    CONTACT_FIELDS.index,
+    (
+        "normal_stress",
+        "shear_stress",
+        "broken",
+        "at_limit",
+        "slip",
+        "kappa",
+        "closure",
+        "shear0",
+        "idle",
+        "passed",
+    ),
 )
 TENSION_STIFFNESS, LEFT, COHESION_LEFT = (
     CONTACT_FIELDS.index(f"elastic_{name}")
     for name in ("tension_stiffness", "tensile_strength", "cohesion")
 )
+COHESION = STRENGTHS.index("cohesion")
 
 
 class Trial(NamedTuple):
@@ -194,7 +204,7 @@ def law_resultant(n, tables, threshold, points, step, motion, before, damped):
     for i in range(points.start, points.stop):
         offset, trial = tables.contacts[i].offset, elastic_trial(n, tables, i, motion)
         kappa = load(n, tables.states, i, KAPPA)
-        intact = rows.in_bond(n, tables, i, BROKEN) == 0.0 and kappa == 0.0
+        intact = load(n, tables.states, i, BROKEN) == 0.0 and kappa == 0.0
         last = trial
         if damped or intact:
             last = present_forces(n, tables, i, before)
@@ -222,12 +232,12 @@ def ask_law(n, tables, i, trial, shear):
     [N] and works [J].
     """
     states, energy, parameters = tables.states, tables.energy, parameters_of(n, tables, i)
-    old = rows.law_state(n, tables, i)
+    old = rows.law_state(n, states, i)
     opening = trial.opening - load(n, states, i, CLOSURE)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
     add(n, energy, 0, FRICTION, new.friction_work - old.friction_work)
     add(n, energy, 0, FRACTURE, new.fracture_work - old.fracture_work)
-    rows.keep_law_state(n, tables, i, new)
+    rows.keep_law_state(n, states, i, True, new)
     rows.keep_range(n, states, i, True, joint_law.range_left(new, parameters))
     if new.broken or new.kappa > 0.0:
         store(n, states, i, SHEAR0, shear)
@@ -239,7 +249,7 @@ def ask_law(n, tables, i, trial, shear):
 @inlined
 def parameters_of(n, tables, i):
     """LawParameters of contact point i, times its area."""
-    of = rows.strengths_of(n, tables, i)
+    of = rows.strengths_of(n, tables.strengths, i)
     return LawParameters(
         *rows.stiffness_of(n, tables, i),
         of.tensile_strength,
@@ -271,8 +281,8 @@ def confine_one(n, tables, cuts, k):
     strength = joint_law.diagonal_tension(cuts.strength[n.lane], sigma)
     for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
         states, cohesion = tables.states, strength * tables.contacts[i].area
-        rows.keep_in_bond(n, tables, i, COHESION, cohesion)
-        if rows.in_bond(n, tables, i, BROKEN) == 0.0:
+        store(n, tables.strengths, i, COHESION, cohesion)
+        if load(n, states, i, BROKEN) == 0.0:
             parameters, kappa = parameters_of(n, tables, i), load(n, states, i, KAPPA)
             store(n, states, i, COHESION_LEFT, joint_law.strength_left(False, parameters, kappa)[1])
         slide = cohesion / rows.stiffness_of(n, tables, i)[1]
@@ -305,14 +315,14 @@ def correct_fracture(n, tables, i, last, trial, new, event):
 def log(n, tables, threshold, i, step, trial, new, event):
     """Log the failure of contact point i, and the first times that its opening and slip exceed the
     threshold [m]."""
-    area, passed = tables.contacts[i].area, int(rows.in_bond(n, tables, i, PASSED))
+    area, passed = tables.contacts[i].area, int(load(n, tables.states, i, PASSED))
     kn = rows.stiffness_of(n, tables, i)[0]
     opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, kn)
     opens = opening > threshold and not passed & 1
     slips = abs(new.slip) > threshold and not passed & 2
     if event != INTACT or opens or slips:
         passed = passed + opens + 2 * slips
-        rows.keep_in_bond(n, tables, i, PASSED, float(passed))
+        store(n, tables.states, i, PASSED, float(passed))
         values = trial.sigma / area, trial.tau / area, opening, new.slip
         for happens, kind in ((event != INTACT, event), (opens, OPENED), (slips, SLIPPED)):
             if happens:

@@ -1,6 +1,5 @@
 """Rows of the tables as records, by the names of their fields, and the coordinates of a body."""
 
-import numpy as np
 from numba.extending import overload
 
 from damage.law.joint_law import ContactState, ElasticRange, Material
@@ -25,13 +24,10 @@ from damage.mechanics.simd import (
     in_blocks,
     lanes,
     load,
-    own,
     reader,
-    store,
     writer,
 )
 from damage.mechanics.tables import (
-    BONDS,
     CONTACT_FIELDS,
     COS1,
     INVERSE_MASS,
@@ -46,28 +42,27 @@ from damage.mechanics.tables import (
     RIGID,
     ROTATION,
     SPRINGS,
-    STIFFNESSES,
+    STRENGTHS,
     VELOCITY,
     Beam,
     Bearing,
     Bench,
-    Elastic,
-    Inelastic,
     Reading,
-    Stiffnesses,
     Strengths,
     X,
     Z,
 )
 
-NORMAL_STIFFNESS, SHEAR_STIFFNESS = range(2)
-elastic_of, keep_elastic = reader(Elastic, CONTACT_FIELDS), writer(Elastic, CONTACT_FIELDS)
-inelastic_of, keep_inelastic = reader(Inelastic, BONDS), writer(Inelastic, BONDS)
+NORMAL_STIFFNESS, SHEAR_STIFFNESS = map(STRENGTHS.index, ("normal_stiffness", "shear_stiffness"))
+law_state, keep_law_state = (
+    reader(ContactState, CONTACT_FIELDS),
+    writer(ContactState, CONTACT_FIELDS),
+)
 range_now, keep_range = (
     reader(ElasticRange, CONTACT_FIELDS, "elastic_"),
     writer(ElasticRange, CONTACT_FIELDS, "elastic_"),
 )
-strengths_in, stiffnesses_of = reader(Strengths, BONDS), reader(Stiffnesses, STIFFNESSES)
+strengths_of = reader(Strengths, STRENGTHS)
 material_of = reader(Material, Material._fields)
 reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
 bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
@@ -117,81 +112,12 @@ def _springs_of(n, tables, p, alike):
 
 
 @inlined
-def bond_row(n, tables, i):
-    """Row of `bonds` of contact point i of one wall, to be read with `own(n)`."""
-    return np.int64(i) * tables.bench.shape[2] + n.lane
-
-
-@inlined
-def strengths_of(n, tables, i):
-    """Strengths of contact point i of one wall."""
-    return strengths_in(own(n), tables.bonds, bond_row(n, tables, i))
-
-
-@inlined
-def law_state(n, tables, i):
-    """ContactState of contact point i of one wall."""
-    of = elastic_of(n, tables.states, i)
-    other = inelastic_of(own(n), tables.bonds, bond_row(n, tables, i))
-    return ContactState(
-        of.normal_stress,
-        of.shear_stress,
-        other.slip,
-        other.broken,
-        other.at_limit,
-        other.friction_work,
-        other.fracture_work,
-        of.kappa,
-        other.gap,
-        of.closure,
-    )
-
-
-@inlined
-def keep_law_state(n, tables, i, new):
-    """Write a ContactState of contact point i of one wall."""
-    keep_elastic(
-        n,
-        tables.states,
-        i,
-        True,
-        Elastic(new.normal_stress, new.shear_stress, new.kappa, new.closure),
-    )
-    keep_inelastic(
-        own(n),
-        tables.bonds,
-        bond_row(n, tables, i),
-        True,
-        Inelastic(
-            new.slip,
-            new.broken,
-            new.at_limit,
-            new.friction_work,
-            new.fracture_work,
-            new.gap,
-        ),
-    )
-
-
-@inlined
-def in_bond(n, tables, i, field):
-    """A field of BONDS of contact point i of one wall."""
-    return load(own(n), tables.bonds, bond_row(n, tables, i), field)
-
-
-@inlined
-def keep_in_bond(n, tables, i, field, value):
-    """Write a field of BONDS of contact point i of one wall."""
-    store(own(n), tables.bonds, bond_row(n, tables, i), field, value)
-
-
-@inlined
 def stiffness_of(n, tables, i):
     """Normal and shear stiffness of contact point i [N/m]."""
     area = tables.contacts[i].area
     return (
-        load(n, tables.stiffnesses, i, NORMAL_STIFFNESS) * area,
-        load(n, tables.stiffnesses, i, SHEAR_STIFFNESS) * area,
+        load(n, tables.strengths, i, NORMAL_STIFFNESS) * area,
+        load(n, tables.strengths, i, SHEAR_STIFFNESS) * area,
     )
 
 

@@ -17,13 +17,12 @@ from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.rows import (
     bench_of,
     force_of,
-    in_bond,
     inverse_mass_of,
     mass_of,
     place_of,
     reading_of,
     stiffness_of,
-    stiffnesses_of,
+    strengths_of,
     velocity_of,
 )
 from damage.mechanics.scaling import scaled_kinetic_energy
@@ -113,7 +112,7 @@ def observe(n, tables, model, ending, sampling):
 def observe_stored(n, tables, ending, sampling):
     """Write the elastic energies of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
-        now, of = reading_of(n, tables.readings, c), stiffnesses_of(n, tables.stiffnesses, c)
+        now, of = reading_of(n, tables.readings, c), strengths_of(n, tables.strengths, c)
         stored = tables.contacts[c].area * elastic_energy(
             now.sigma, now.tau, of.normal_stiffness, of.shear_stiffness
         )
@@ -130,17 +129,17 @@ def observe_failed(n, tables, sampling, w):
         if failed > 0.0:
             ended = ENDED if failed >= ENDING else 0
             for c in range(tables.interfaces[p].start, tables.interfaces[p].stop):
-                state = state_of(n, tables, c) | ended
+                state = state_of(n, tables.states, c) | ended
                 sampling.samples.contacts[w, sampling.taken[w], STATE, c] = state
                 observe_contact(n, tables, sampling, w, c)
 
 
 @inlined
-def state_of(n, tables, c):
+def state_of(n, states, c):
     """State (bits) of contact c by itself: without ENDED, which is of its interface."""
-    broken = BROKEN if in_bond(n, tables, c, contacts.BROKEN) > 0.0 else 0
-    at_limit = AT_LIMIT if in_bond(n, tables, c, contacts.AT_LIMIT) > 0.0 else 0
-    crushed = CRUSHED if load(n, tables.states, c, contacts.CLOSURE) > 0.0 else 0
+    broken = BROKEN if load(n, states, c, contacts.BROKEN) > 0.0 else 0
+    at_limit = AT_LIMIT if load(n, states, c, contacts.AT_LIMIT) > 0.0 else 0
+    crushed = CRUSHED if load(n, states, c, contacts.CLOSURE) > 0.0 else 0
     return broken | at_limit | crushed
 
 
@@ -156,7 +155,7 @@ def observe_contact(n, tables, sampling, w, c):
     states, now = tables.states, reading_of(n, tables.readings, c)
     kn = stiffness_of(n, tables, c)[0]
     broken, softened = (
-        in_bond(n, tables, c, contacts.BROKEN) > 0.0,
+        load(n, states, c, contacts.BROKEN) > 0.0,
         load(n, states, c, contacts.KAPPA) > 0.0,
     )
     force = now.sigma * tables.contacts[c].area
@@ -167,9 +166,9 @@ def observe_contact(n, tables, sampling, w, c):
     elif softened and now.opening > 0.0:
         opening = positive(inelastic)
     if broken or softened:
-        offset = now.shear - now.tau / stiffnesses_of(n, tables.stiffnesses, c).shear_stiffness
+        offset = now.shear - now.tau / strengths_of(n, tables.strengths, c).shear_stiffness
     samples.contacts[w, k, OPENING, c] = opening
-    samples.contacts[w, k, SLIP, c] = in_bond(n, tables, c, contacts.SLIP)
+    samples.contacts[w, k, SLIP, c] = load(n, states, c, contacts.SLIP)
     samples.contacts[w, k, OFFSET, c] = offset
     if load(n, states, c, contacts.TENSION_STIFFNESS) != kn and now.opening > 0.0:
         samples.stored[w, k, c] += force * inelastic / 2

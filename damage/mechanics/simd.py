@@ -167,11 +167,6 @@ def table_width(n):
     return ONE if isinstance(n, Rows) else n
 
 
-def own(n):
-    """The width of a table with a row for each wall."""
-    return ONE
-
-
 def rows_of(n):
     """How many rows the width takes."""
     return WIDTH if isinstance(n, Rows) else 1
@@ -411,11 +406,6 @@ def _rows_of(_context, _builder, signature, values):
 @_compiles(widest, lambda n: n if _is_wide(n) else _width(Rows))
 def _same(_context, _builder, _signature, values):
     return values[0]
-
-
-@_compiles(own, lambda n: _width(One))
-def _own(context, builder, signature, _values):
-    return context.make_tuple(builder, signature.return_type, [_LONG(0)])
 
 
 @_compiles(wall_of, lambda n, w: {Eight: _width(Lane), Rows: _width(One)}.get(n.instance_class, n))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from damage.law.joint_law import ElasticRange, Material
+from damage.law.joint_law import ContactState, ElasticRange, Material
 from damage.mechanics.interfaces import Line, Springs
 from damage.mechanics.simd import WIDTH, argument
 
@@ -84,37 +84,12 @@ class Beam(NamedTuple):
     force: float
 
 
-class Stiffnesses(NamedTuple):
-    """Of a contact point: normal and shear stiffness [Pa/m]."""
+class Strengths(NamedTuple):
+    """Of a contact point: normal and shear stiffness [Pa/m]; strengths [N] and fracture energies
+    [J] as of LawParameters, times its area."""
 
     normal_stiffness: float
     shear_stiffness: float
-
-
-class Elastic(NamedTuple):
-    """Fields of ContactState that forces of springs need, times the area of the contact point."""
-
-    normal_stress: float
-    shear_stress: float
-    kappa: float
-    closure: float
-
-
-class Inelastic(NamedTuple):
-    """Other fields of ContactState, times the area of the contact point."""
-
-    slip: float
-    broken: bool
-    at_limit: bool
-    friction_work: float
-    fracture_work: float
-    gap: float
-
-
-class Strengths(NamedTuple):
-    """Of a contact point: strengths [N] and fracture energies [J] as of LawParameters, times its
-    area."""
-
     tensile_strength: float
     cohesion: float
     mode_i_energy: float
@@ -161,34 +136,30 @@ SPRINGS, LINES = Springs._fields, Line._fields + Springs._fields
 CONTACT = _row(f8="offset area")
 """Of a contact point, equal in all walls that step together: offset from the interface's middle,
 along +x in bed and -z in head joints [m]; area [m2]."""
-STIFFNESSES, READINGS = Stiffnesses._fields, Reading._fields
+STRENGTHS, READINGS = Strengths._fields, Reading._fields
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""
 RADIATION = "across", "along", "last_normal", "last_shear", "last_couple"
 """Fields of `radiation`: Dashpots, and their Resultant in the last step."""
+OF_STEP = "shear0", "idle", "passed"
+"""Fields of a state that the step adds: shear displacement at which the contact had `shear_stress`
+[m]; opening up to which the law of a failed, open contact is not evaluated, negative before [m];
+thresholds exceeded so far: 1 opened, 2 slipped, 3 both."""
 CONTACT_FIELDS = (
-    *Elastic._fields,
+    *ContactState._fields,
     *(f"elastic_{name}" for name in ElasticRange._fields),
-    "shear0",
-    "idle",
+    *OF_STEP,
 )
-"""Fields of the state of a contact point: Elastic, its elastic range, both times its area; shear
-displacement at which it had `shear_stress` [m]; opening up to which the law of a failed, open
-contact is not evaluated, negative before [m]."""
-BONDS = (*Inelastic._fields, "passed", *Strengths._fields)
-"""Fields that the joint law alone needs, which is evaluated for one wall at a time: Inelastic;
-thresholds exceeded so far: 1 opened, 2 slipped, 3 both; Strengths.  A wall's are side by side, BOND
-numbers, in two cache lines: in the order of `states` each field would be in one of its own."""
-BOND = 16
-_BOND_ROW = np.dtype([(name, REAL) for name in (*BONDS, *map(str, range(BOND - len(BONDS))))])
+"""Fields of the state of a contact point: of the joint law, its elastic range, both times its area,
+and OF_STEP."""
 
 
 class System(
     namedtuple(
         "System",
-        "place velocity force mass inverse_mass trig interfaces limits contacts stiffnesses states"
-        " bonds readings energy events values n_events relaxation last turning beam bearings"
-        " radiation springs material",
+        "place velocity force mass inverse_mass trig interfaces limits contacts strengths states"
+        " readings energy events values n_events relaxation last turning beam bearings radiation"
+        " springs material",
     )
 ):
     """Tables of one wall.
@@ -198,8 +169,8 @@ class System(
         velocities are those half a step ago; forces are those of the contact points; an inverse
         mass of zero prescribes a velocity
     trig: (bodies, 2) cosine of the rotation less one, and its sine
-    interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), stiffnesses (STIFFNESSES),
-        states (CONTACT_FIELDS), bonds (BONDS): contacts in the order of their interfaces
+    interfaces (INTERFACE), limits (LIMITS); contacts (CONTACT), strengths (STRENGTHS), states
+        (CONTACT_FIELDS): contacts in the order of their interfaces
     readings: (4, contacts) displacements and stresses at the last sample, READINGS
     energy: (4,) INPUT to DAMPING [J]
     events: (capacity, 3) step, contact, kind; values: (capacity, 4) normal and shear stress [Pa],
@@ -222,21 +193,20 @@ class System(
 class Tables(
     namedtuple(
         "Tables",
-        "bodies inertia interfaces limits contacts stiffnesses states bonds readings energy events"
-        " values n_events relaxation last turning beam bearings radiation springs material radiates"
-        " bench sums others used lines alike first second every",
+        "bodies inertia interfaces limits contacts strengths states readings energy events values"
+        " n_events relaxation last turning beam bearings radiation springs material radiates bench"
+        " sums others used lines alike first second every",
     )
 ):
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
     fields, W).
 
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
-    each coordinate; bonds: (contacts W, BOND, 1), a contact's walls one after the other; energy,
-    relaxation: (1, fields, W); events, values, n_events: the wall first; first, second:
-    (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of eight interfaces,
-    LINES, 8), copied by `copy_lines`; alike: whether all walls have the `springs` of `lines`;
-    radiates: whether `radiation` is used.  It has rows in any case, so that its layout, and with it
-    the type of Tables, is always the same.
+    each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
+    first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
+    eight interfaces, LINES, 8), copied by `copy_lines`; alike: whether all walls have the `springs`
+    of `lines`; radiates: whether `radiation` is used.  It has rows in any case, so that its layout,
+    and with it the type of Tables, is always the same.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
     evaluated contact point by contact point; used: (contacts,) 0 where a contact point is an intact
@@ -280,9 +250,8 @@ def make_tables(
         interfaces=interfaces,
         limits=limits,
         contacts=contacts,
-        stiffnesses=zeros(c, len(STIFFNESSES)),
+        strengths=zeros(c, len(STRENGTHS)),
         states=zeros(c, len(CONTACT_FIELDS)),
-        bonds=aligned_zeros(c * width, BOND, 1),
         readings=zeros(c, len(READINGS)),
         energy=zeros(1, 4),
         events=np.zeros((width, capacity, 3), np.int64),
@@ -345,24 +314,17 @@ def join(members):
             "events": int(tables.n_events[lane, 0]),
             "values": int(tables.n_events[lane, 0]),
         }
-        for name in Tables._fields:
-            if name not in SHARED + WORK:
-                from_, to = of_wall(tables, name, lane), of_wall(new, name, w)
+        for name, from_, to in zip(Tables._fields, tables, new):
+            if name in LOGS:
                 # its events as far as there are any
-                rows = logged.get(name, min(len(from_), len(to)))
-                to[:rows] = from_[:rows]
-    for table in (new.springs, new.stiffnesses):  # places that no wall takes
+                to[w, : logged[name]] = from_[lane, : logged[name]]
+            elif name not in SHARED + WORK:
+                rows = min(len(from_), len(to))
+                to[:rows, :, w] = from_[:rows, :, lane]
+    for table in (new.springs, new.strengths):  # places that no wall takes
         table[..., len(members) :] = table[..., :1]
     copy_lines(new)
     return new._replace(alike=bool((new.springs == new.springs[..., :1]).all()))
-
-
-def of_wall(tables, name, w):
-    """View of what a field of Tables has of wall w."""
-    of = getattr(tables, name)
-    if name == "bonds":
-        return of.reshape(-1, tables.bench.shape[2], BOND)[:, w]
-    return of[w] if name in LOGS else of[..., w]
 
 
 def system_of(tables, w):
@@ -382,9 +344,8 @@ def system_of(tables, w):
         interfaces=tables.interfaces,
         contacts=tables.contacts,
         limits=tables.limits[: len(tables.interfaces), :, w],
-        stiffnesses=_records(tables.stiffnesses, STIFFNESSES, w),
+        strengths=_records(tables.strengths, STRENGTHS, w),
         states=_records(tables.states, CONTACT_FIELDS, w),
-        bonds=of_wall(tables, "bonds", w).view(_BOND_ROW)[:, 0],
         readings=tables.readings[..., w].T,
         energy=tables.energy[0, :, w],
         events=tables.events[w],

@@ -6,7 +6,7 @@ from damage.elementary import hypot, total
 from damage.law.joint_law import SHEAR, TENSION
 from damage.mechanics.collisions import LARGEST
 from damage.mechanics.samples import ELASTIC, KINETIC
-from damage.mechanics.tables import OPENED, RIGID, SHARED, SLIPPED, WORK, Tables, of_wall
+from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables
 from damage.reference.wall import ReferenceWall
 from damage.run.solver import LOOK_STEPS, Instants, Solver
 
@@ -20,7 +20,6 @@ STATE_TABLES = (
     "trig",
     "limits",
     "states",
-    "bonds",
     "readings",
     "energy",
     "relaxation",
@@ -191,8 +190,8 @@ class ReferenceSolver(ReferenceWall, Solver):
         """Views of all tables of this wall that outlast a step, {name: array}."""
         tables, lane = self.lanes.tables, self.lanes.lane_of(self)
         found = {
-            name: of_wall(tables, name, lane)
-            for name in Tables._fields
+            name: of[lane] if name in LOGS else of[..., lane]
+            for name, of in zip(Tables._fields, tables)
             if name not in SHARED + WORK
         }
         loose = (

@@ -35,10 +35,10 @@ class ReferenceWall:
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
     alpha: mass-proportional damping [1/s]; new_contacts: bodies whose joints have ended, or that
     had none, collide; scaled: contact points whose stiffness scales the masses
-    (`damage.mechanics.scaling`) for this time step and beta, without local damping: None, a mask
-    (n_joints,), or slice(None) for all.  time_step, beta, alpha, `local_damping` (Cundall's, [-])
-    and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be changed at any
-    time.
+    (`damage.mechanics.scaling`) for this time step and beta: None, a mask (n_joints,), or
+    slice(None) for all, which goes without local damping.  time_step, beta, alpha, `local_damping`
+    (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
+    changed at any time.
     with_stresses: whether samples hold the stresses of the joints.
     """
 
@@ -125,7 +125,7 @@ class ReferenceWall:
     @property
     def slip(self):
         """Accumulated slip: plastic shear displacement while closed, (n_joints,) [m]."""
-        return self.of_joints(self.system.bonds["slip"])
+        return self.of_joints(self.system.states["slip"])
 
     @property
     def offset(self):

@@ -219,7 +219,7 @@ class TestDiagonalTension:
         contacts, weight = layout.contacts, SPLITTING.density * 9.81 * layout.wall.height / 2
         course = layout.bodies.course[contacts.first]
         cuts = (contacts.kind == CUT) & (course == 2) & (abs(contacts.x - 0.45) < 0.2)
-        found = wall.system.bonds["cohesion"][cuts] / contacts.area[cuts]
+        found = wall.system.strengths["cohesion"][cuts] / contacts.area[cuts]
         assert found.mean() == approx(diagonal_tension(1e6, -0.3e6 - weight), rel=0.02)
 
     def test_a_wall_of_an_older_version_is_refused_with_what_to_write(self):

@@ -40,7 +40,7 @@ def test_a_wall_in_which_no_joint_ends_has_the_same_bits(action):
     wall.system.interfaces[:] = other.system.interfaces  # the ends of the joints on supports
     for one, two in zip(act(wall, **ACTIONS[action]), act(other, **ACTIONS[action])):
         assert one == two
-    assert not other.loose.counts.any() and wall.system.bonds["broken"].any()
+    assert not other.loose.counts.any() and wall.system.states["broken"].any()
 
 
 def test_a_brick_that_is_lifted_off_and_let_fall_lands_on_the_other():

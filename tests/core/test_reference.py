@@ -39,7 +39,7 @@ def settle(solver, seconds=0.3):
 def test_free_fall_is_exact_in_central_differences():
     solver = small_solver()
     for name in ("normal_stiffness", "shear_stiffness"):
-        solver.system.stiffnesses[name] = 0.0  # no joint holds
+        solver.system.strengths[name] = 0.0  # no joint holds
     solver.refresh()
     n = 500
     solver.run(n)
@@ -91,7 +91,7 @@ def test_forces_twice_at_the_same_places_change_nothing():
     settle(solver)
     solver.start(np.tile([8.0, 0.0], (20_000, 1)))
     solver.run(3000)
-    assert solver.system.bonds["broken"].sum() > 0
+    assert solver.system.states["broken"].sum() > 0
     tables = (
         solver.system.states,
         solver.system.readings,
@@ -116,7 +116,7 @@ def test_what_is_read_of_the_joints_balances_the_forces_on_the_ground():
         solver.run(2990)
         solver.beta = beta
         solver.run(10)
-        assert (solver.system.bonds["broken"].sum() > 0) == (joint is WEAK)
+        assert (solver.system.states["broken"].sum() > 0) == (joint is WEAK)
         contacts, (sigma, tau) = solver.layout.contacts, solver.stresses
         force = np.array(
             [
@@ -200,6 +200,6 @@ def test_a_whole_pair_as_one_spring_is_its_contacts_one_by_one():
             solver.lanes.find_forces(singly)
         scale = np.abs(by_contact.force).max(axis=0)
         assert_allclose(shortcut.force / scale, by_contact.force / scale, rtol=0, atol=1e-9)
-        assert np.array_equal(shortcut.system.bonds["broken"], by_contact.system.bonds["broken"])
-        broke.add(bool(by_contact.system.bonds["broken"].any()))
+        assert np.array_equal(shortcut.system.states["broken"], by_contact.system.states["broken"])
+        broke.add(bool(by_contact.system.states["broken"].any()))
     assert broke == {False, True}

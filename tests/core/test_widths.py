@@ -220,7 +220,7 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
         for sample, found in enumerate(act_together([walls[k] for k in order], actions)):
             assert found == [expected[k][sample] for k in order], sample
     failed = np.array(
-        [wall.system.bonds["broken"] + wall.system.states["kappa"] > 0 for wall in alone]
+        [wall.system.states["broken"] + wall.system.states["kappa"] > 0 for wall in alone]
     )
     assert (failed.any(axis=0) & ~failed.all(axis=0)).any()  # in some of the walls
     if "crushing" in kind:
