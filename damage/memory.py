@@ -1,5 +1,5 @@
-"""The least memory that a command begins with, and memory that is returned.  Nothing is imported
-here that takes time.
+"""The least memory that a command begins with, memory that is returned, and the cache.  Nothing is
+imported here that takes time.
 
 With less, libraries cannot be loaded, and OpenBLAS, whose every thread asks for 128 MiB as soon as
 it starts, asks again for ever instead of giving up: neither could be detected from within.
@@ -7,6 +7,8 @@ it starts, asks again for ever instead of giving up: neither could be detected f
 
 import os
 from contextlib import suppress
+from functools import cache
+from pathlib import Path
 
 LEAST, A_THREAD = 600_000_000, 150_000_000
 """Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each
@@ -14,6 +16,9 @@ more."""
 YADE = 650_000_000
 """What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it continues, but
 very slowly."""
+CACHE = "/sys/devices/system/cpu/cpu0/cache/index3"
+USUAL_CACHE = 4_000_000
+"""What processors have of a third cache for each core, about [bytes]."""
 
 
 def hold_buffers():
@@ -37,6 +42,18 @@ def return_freed():
     # TypeError: a system without a library of the process
     with suppress(AttributeError, OSError, TypeError):
         ctypes.CDLL(None).malloc_trim(0)
+
+
+@cache
+def cache_bytes(processes, folder=CACHE):
+    """What each of so many processes has of the third cache of a processor [bytes]; USUAL_CACHE
+    where the system does not say."""
+    try:
+        size, sharing = (Path(folder, name).read_text() for name in ("size", "shared_cpu_map"))
+        cores = int(sharing.replace(",", ""), 16).bit_count()
+        return 1024 * int(size.strip().removesuffix("K")) // min(processes, cores)
+    except (OSError, ValueError, ZeroDivisionError):
+        return USUAL_CACHE
 
 
 def least_bytes(beside=0):

@@ -80,7 +80,9 @@ def run_reference(arguments):
     )
 
 
-def run_references(lines, histories=None, settled=None, watch=lambda name, share: None):
+def run_references(
+    lines, histories=None, settled=None, watch=lambda name, share: None, processes=1
+):
     """Run command lines as `run_reference`, up to eight at a time, the next where one has ended,
     without summaries and pictures; the results of a run do not depend on the others, bit for bit.
 
@@ -90,7 +92,7 @@ def run_references(lines, histories=None, settled=None, watch=lambda name, share
     progress then, all ends.  histories:
     {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class
     is replaced by the object.  settled: RestCache of earlier runs.  watch: called now and then with
-    a run's name and the share of it that is simulated.
+    a run's name and the share of it that is simulated.  processes: that do so at once.
 
     Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
@@ -115,7 +117,7 @@ def run_references(lines, histories=None, settled=None, watch=lambda name, share
 
     hold_buffers()
     with attended("runs that step together", several=True) as keep_going:
-        for number, status in as_they_end(runs(), BACKEND.move, BACKEND.most):
+        for number, status in as_they_end(runs(), partial(move, processes=processes), BACKEND.most):
             if status == EXIT_INTERRUPTED:
                 interrupted.append(names[number])
             yield names[number], status

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
@@ -14,6 +15,8 @@ import pytest
 from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
 
 from damage.history.reader import read_history
+from damage.mechanics.tables import CONTACT_FIELDS, HAS_FAILED, LIMITS, STRENGTHS
+from damage.memory import USUAL_CACHE, cache_bytes
 from damage.reference import ensembles, lanes, rest_cache, session
 from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
@@ -138,6 +141,44 @@ def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
     for wall, taken in zip(walls, range(8)):
         wall.taken = taken
     assert chosen(*range(66, 71)) == [{k: [66 + k] if k < 5 else [70, 70] for k in range(8)}]
+
+
+def test_the_memory_of_a_batch_is_that_of_the_interfaces_that_failed_in_any_wall():
+    def wall(*failed):
+        limits = np.zeros((20, len(LIMITS)))
+        limits[list(failed), HAS_FAILED] = 1.0
+        system = SimpleNamespace(
+            limits=limits, place=np.zeros((9, 3)), interfaces=range(20), contacts=range(1000)
+        )
+        return mock.Mock(system=system)
+
+    # 64 bytes for each field; bodies and interfaces take another hundredth
+    of_points = 64 * 1000 * (len(STRENGTHS) + len(CONTACT_FIELDS))
+    for walls, share in (([wall(), wall()], 0.0), ([wall(0, 1, 2), wall(2, 3)], 0.2)):
+        assert not ensembles.exceeds(walls, (share + 0.03) * of_points)
+        assert ensembles.exceeds(walls, share * of_points)
+    assert not ensembles.exceeds([wall(*range(20))], 1.03 * of_points)
+
+
+def test_processes_share_the_cache_of_the_cores_that_they_run_on(tmp_path):
+    (tmp_path / "size").write_text("32768K\n")
+    (tmp_path / "shared_cpu_map").write_text("1,000000ff\n")
+    assert [cache_bytes(n, tmp_path) for n in (1, 4, 20)] == [2**25, 2**23, 2**25 // 9]
+    (tmp_path / "size").write_text("unknown")
+    assert cache_bytes(2, tmp_path) == cache_bytes(1, tmp_path / "none") == USUAL_CACHE
+
+
+def test_walls_that_the_cache_can_no_longer_hold_together_go_on_one_by_one(
+    tiny, alone, tmp_path, moved, monkeypatch
+):
+    def have_failed(walls, _room):
+        return any((wall.system.limits[:, HAS_FAILED] > 0).any() for wall in walls)
+
+    monkeypatch.setattr(ensembles, "exceeds", have_failed)
+    asked = lines(tiny, tmp_path / "together")
+    assert dict(run_references(asked.items())) == dict.fromkeys(asked, 0)
+    assert len(moved[0]) > 5 and len(moved[-1]) == 1
+    assert alone == {name: contents(tmp_path / "together" / f"{name}.h5") for name in alone}
 
 
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):

@@ -243,7 +243,7 @@ class Batch:
             return [*more, *point.next_pictures()]
 
         notes = {run.id: content for run, (_, content) in inputs.items()}
-        work_on = partial(work, inputs=notes)
+        work_on = partial(work, inputs=notes, processes=self.asked.jobs)
         pool = Pool(self.asked.jobs, work_on, self.lock, self.folder, say, self._watch)
         pool.run(
             [

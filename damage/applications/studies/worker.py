@@ -50,11 +50,11 @@ SHARES_S = 2.0
 _PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")
 
 
-def work(connection, parent, lock, inputs=MappingProxyType({})):
+def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
     """Do tasks until None comes.  Runs end politely at SIGTERM; when the parent has died the system
     kills this process, whose runs nobody would record, and its solver.  lock: descriptor that a
     solver holds as long as it runs; inputs: {StudyRun.id: its inputs when the study began
-    (`damage.applications.studies.inputs.as_json`)}."""
+    (`damage.applications.studies.inputs.as_json`)}; processes: of the study."""
     # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended
     # leave their records.
     signal.signal(signal.SIGTERM, lambda *_: None)
@@ -72,7 +72,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({})):
         if task is None:
             return
         if task.steps:
-            status = _do_runs(task, connection, waiting, settled, inputs)
+            status = _do_runs(task, connection, waiting, settled, inputs, processes)
         else:
             task.log.unlink(missing_ok=True)
             print_into(task.log)
@@ -95,13 +95,15 @@ def print_into(path):
     )
 
 
-def _do_runs(first, connection, waiting, settled, inputs):
+def _do_runs(first, connection, waiting, settled, inputs, processes):
     """Simulate runs that are not there, the first one and those that come meanwhile; sends each as
     it ends.  Returns EXIT_INTERRUPTED where they were interrupted."""
     print_into(first.log)
     waiting.appendleft(first)
     group, interrupted = Group(connection, waiting, inputs), EXIT_OK
-    for name, status in run_references(group.lines(), group.histories, settled, group.watch):
+    for name, status in run_references(
+        group.lines(), group.histories, settled, group.watch, processes
+    ):
         interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
         group.end(name, status)
         return_freed()
