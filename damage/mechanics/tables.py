@@ -404,7 +404,7 @@ class Matrix(NamedTuple):
     elimination; a node has three coordinates of a body.
 
     body, first, count: (nodes,) row of its body, the first of its coordinates and their number;
-    alone: number of nodes, the first ones, whose bodies have their mass alone;
+    alone: number of nodes, the first ones, whose bodies, in ascending order, have their mass alone;
     start: (nodes + 1,) first block of each column of L; below: (blocks,) node of each block's row;
     lower: (blocks, 9) these blocks; diagonal, inverse: (nodes, 9) blocks of D, zero where massless
     and prescribed, and of its inverse; all three (..., W), (..., 1) where all walls have the same;
