@@ -64,6 +64,8 @@ class File:
                 maxshape=(None,),
                 chunks=(1 << 16,),
                 dtype=schema.STATE_COLUMN.dtype,
+                compression="gzip",
+                compression_opts=_LEVEL,
             )
             self._state.attrs["unit"] = schema.STATE_COLUMN.unit
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file

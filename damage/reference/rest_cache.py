@@ -64,7 +64,7 @@ class Rest:
         """Store the state of a solver at the end of its static stage, and the looks at it, (time
         [s], unbalanced force), unless its bricks have found new contacts by then."""
         if solver.loose is None or not solver.loose.counts.any():
-            self._walls.put(self._digest, solver.checkpoint(whole_log=False), tuple(looks))
+            self._walls.put(self._digest, solver.checkpoint(), tuple(looks))
 
 
 def digest_of(prepared):

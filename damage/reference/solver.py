@@ -201,13 +201,8 @@ class ReferenceSolver(ReferenceWall, Solver):
         )
         return found | loose | {f"passed_{kind}": passed for kind, passed in self._passed.items()}
 
-    def checkpoint(self, whole_log=True):
-        """As of Solver; whole_log: with the places of the log that hold no events, so that its size
-        is the same."""
-        count = {
-            name: None if whole_log else int(self.system.n_events[0])
-            for name in ("events", "values")
-        }
+    def checkpoint(self):
+        count = dict.fromkeys(("events", "values"), int(self.system.n_events[0]))
         return {
             name: np.array(table[: count.get(name)], order="C")
             for name, table in self._whole().items()

@@ -2,7 +2,6 @@
 their bond."""
 
 import io
-import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -28,11 +27,8 @@ def as_bytes(tables):
     """The bytes (n,) of {name: array}, a NumPy archive without padding between fields: equal for
     equal values."""
     file = io.BytesIO()
-    # np.savez_compressed has level 6 alone, which takes longer: an interrupted run waits for it
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        for name, table in tables.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
-                np.lib.format.write_array(entry, repack_fields(table), allow_pickle=False)
+    # not compressed: an interrupted run waits for it
+    np.savez(file, **{name: repack_fields(table) for name, table in tables.items()})
     return np.frombuffer(file.getvalue(), "u1")
 
 
