@@ -574,6 +574,22 @@ class TestOneFolder:
         ]
         assert len(files[0]) > 24 and files[0] == files[1]
 
+    def test_a_first_sheet_comes_before_that_of_all_draws(
+        self, claimed, tmp_path, capsys, monkeypatch
+    ):
+        monkeypatch.setattr(make, "STEPS", (3, 4, 8))
+        written_numbers = []
+        monkeypatch.setattr(
+            make, "sheet", lambda numbers, *_: written_numbers.append(dict(numbers)) or "a sheet"
+        )
+        out = shutil.copytree(claimed, tmp_path / "out")
+        assert main([*words(claimed.parent, draws=6)[:-1], str(out)]) == 0
+        of_sheets = [(one["draws"], one["draws_to_come"]) for one in written_numbers]
+        assert of_sheets == [(3, 6), (6, None)]
+        said = capsys.readouterr().out
+        assert "3 draws, not yet the answer" in said and "6 draws, effective number" in said
+        assert make.steps_to(None) == make.STEPS and make.steps_to(8) == (3, 4, 8)
+
     def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(
         self, claimed, tmp_path, capsys, monkeypatch
     ):

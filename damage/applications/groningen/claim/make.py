@@ -77,7 +77,7 @@ def make_claim(claim, out, jobs, remake=False):
 
     remake: draws of another version, which are refused otherwise.
     """
-    out, steps = Path(out).absolute(), (claim.draws,) if claim.draws else STEPS
+    out, steps = Path(out).absolute(), steps_to(claim.draws)
     drawn_from = draws_of(claim.address)
     drawn_from.life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall, claim.units)
@@ -112,7 +112,7 @@ def make_claim(claim, out, jobs, remake=False):
             numbers = numbers_of(
                 twins, survey, layout, exposure, given, _ground(claim), _evidence(first)
             )
-            done = draws == steps[-1] or enough(numbers, steps[-1])
+            done = draws == steps[-1] or (not claim.draws and enough(numbers, steps[-1]))
             numbers["draws_to_come"] = None if done else steps[-1]
             write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
             place = write_text(
@@ -124,6 +124,12 @@ def make_claim(claim, out, jobs, remake=False):
             _state_pace(began, draws - there, following - draws)
     print(describe(numbers, claim.language), place, sep="\n")
     return 0
+
+
+def steps_to(draws):
+    """Numbers of draws after which there is a sheet: STEPS, or of them up to half of the draws that
+    are asked for, and these."""
+    return (*(one for one in STEPS if one <= draws / 2), draws) if draws else STEPS
 
 
 def _draw(study, out, jobs, remake, lock):
