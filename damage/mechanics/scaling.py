@@ -72,8 +72,8 @@ def move_scaled(n, tables, matrix, strain, damped):
 
 @inlined
 def move_alone(n, tables, matrix, damped):
-    """Advance the bodies that nothing couples by a step, of one wall eight at once where eight rows
-    of the table are among them."""
+    """Advance the uncoupled bodies by a step; of a single wall eight at once where all eight rows
+    of a block of the table are uncoupled."""
     wide, bench, i = widest(n), bench_of(n, tables.bench, 0), 0
     while i < matrix.alone:
         b, last = matrix.body[i], i + rows_of(wide) - 1

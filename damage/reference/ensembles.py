@@ -8,7 +8,7 @@ next ones, and the others go on.  Results of a wall do not depend on the others.
 import numpy as np
 
 from damage.mechanics.simd import WIDTH
-from damage.mechanics.tables import CONTACT_FIELDS, HAS_FAILED, LAST, LIMITS, RIGID, STRENGTHS
+from damage.mechanics.tables import HAS_FAILED
 from damage.memory import cache_bytes
 from damage.reference.lanes import advance_together
 from damage.run.cooperative import WAITED
@@ -47,11 +47,15 @@ def exceeds(walls, room):
     """Whether a step of a batch of these walls with rigid bricks goes through more memory than that
     [bytes]: bodies and interfaces of all, and contact points of the interfaces that have failed in
     any.  A wall by itself takes many steps before the next one does."""
-    system = next(iter(walls)).system
-    points = 8 * WIDTH * len(system.contacts) * (len(STRENGTHS) + len(CONTACT_FIELDS))
-    interfaces = 8 * WIDTH * len(system.interfaces) * (len(LIMITS) + len(LAST))
-    room -= interfaces + 8 * WIDTH * len(system.place) * (2 + 5 * RIGID)
-    if points < room or system.place.shape[1] > RIGID:
+    wall = next(iter(walls))
+    tables = wall.lanes.tables
+
+    def of_batch(*names):
+        return WIDTH // tables.bench.shape[2] * sum(getattr(tables, one).nbytes for one in names)
+
+    room -= of_batch("bodies", "inertia", "limits", "last")
+    points = of_batch("strengths", "states")
+    if points < room or wall.layout.strain is not None:
         return False
     failed = [wall.system.limits[:, HAS_FAILED] > 0 for wall in walls]
     return np.any(failed, axis=0).mean() * points > room

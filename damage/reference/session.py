@@ -51,7 +51,6 @@ BACKEND = Backend(
     _make,
     Path(__file__).parent,
     softening=Softening(),
-    move=move,
     most=MOST_LANES,
 )
 

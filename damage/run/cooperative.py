@@ -25,10 +25,9 @@ def run_each(asked):
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
-def take_turns(runs, move=run_each):
-    """Let runs continue until all have ended; returns what each of them returned; arguments as of
-    `as_they_end`."""
-    return [value for _, value in sorted(as_they_end(runs, move), key=lambda end: end[0])]
+def take_turns(runs):
+    """Let runs, as of `as_they_end`, continue until all have ended; returns what each returned."""
+    return [value for _, value in sorted(as_they_end(runs), key=lambda end: end[0])]
 
 
 def as_they_end(runs, move=run_each, most=math.inf):

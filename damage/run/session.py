@@ -26,7 +26,7 @@ from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
 from damage.run.banner import event_lines, record_lines, sequence_lines, stress_lines, wall_lines
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
-from damage.run.cooperative import run_each, take_turns
+from damage.run.cooperative import take_turns
 from damage.run.initial_state import read_state, without_bond
 from damage.run.monitor import DROP, FAILURE
 from damage.run.options import RUN_MEMBERS, parse_run
@@ -57,8 +57,7 @@ class Backend:
     brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     keeps_state: whether the history has the state at its end, from which another run continues; it
     is in a checkpoint otherwise;
-    begins(run): called with the Run before its first step; move, most: takes steps of so many runs
-    at a time, as of `damage.run.cooperative.as_they_end`.
+    begins(run): called with the Run before its first step; most: runs that step together at most.
     """
 
     name: str
@@ -71,7 +70,6 @@ class Backend:
     brick_cells: int = 0
     keeps_state: bool = True
     begins: Callable = lambda run: None
-    move: Callable = run_each
     most: int = 1
 
 

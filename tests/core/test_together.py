@@ -15,7 +15,7 @@ import pytest
 from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
 
 from damage.history.reader import read_history
-from damage.mechanics.tables import CONTACT_FIELDS, HAS_FAILED, LIMITS, STRENGTHS
+from damage.mechanics.tables import HAS_FAILED
 from damage.memory import USUAL_CACHE, cache_bytes
 from damage.reference import ensembles, lanes, rest_cache, session
 from damage.reference.rest_cache import RestCache
@@ -143,21 +143,27 @@ def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
     assert chosen(*range(66, 71)) == [{k: [66 + k] if k < 5 else [70, 70] for k in range(8)}]
 
 
-def test_the_memory_of_a_batch_is_that_of_the_interfaces_that_failed_in_any_wall():
-    def wall(*failed):
-        limits = np.zeros((20, len(LIMITS)))
-        limits[list(failed), HAS_FAILED] = 1.0
-        system = SimpleNamespace(
-            limits=limits, place=np.zeros((9, 3)), interfaces=range(20), contacts=range(1000)
-        )
-        return mock.Mock(system=system)
+@pytest.mark.parametrize("width", [1, 8])
+def test_the_memory_of_a_batch_is_that_of_the_interfaces_that_failed_in_any_wall(width):
+    """Of walls by themselves, and in a batch."""
 
-    # 64 bytes for each field; bodies and interfaces take another hundredth
-    of_points = 64 * 1000 * (len(STRENGTHS) + len(CONTACT_FIELDS))
-    for walls, share in (([wall(), wall()], 0.0), ([wall(0, 1, 2), wall(2, 3)], 0.2)):
-        assert not ensembles.exceeds(walls, (share + 0.03) * of_points)
-        assert ensembles.exceeds(walls, share * of_points)
-    assert not ensembles.exceeds([wall(*range(20))], 1.03 * of_points)
+    def wall(*failed):
+        limits = np.zeros((20, 3))
+        limits[list(failed), HAS_FAILED] = 1.0
+        sizes = {"strengths": 80, "states": 170, "bodies": 1, "inertia": 1, "limits": 2, "last": 1}
+        tables = {name: np.zeros((size, 1, width)) for name, size in sizes.items()}
+        lanes = SimpleNamespace(tables=SimpleNamespace(bench=np.zeros((1, 1, width)), **tables))
+        layout = SimpleNamespace(strain=None)
+        return mock.Mock(system=SimpleNamespace(limits=limits), lanes=lanes, layout=layout)
+
+    of_points, of_others = 8 * 8 * 250, 8 * 8 * 5
+    for walls, share in (
+        ([wall(), wall()], 0.0),
+        ([wall(0, 1, 2), wall(2, 3)], 0.2),
+        ([wall(*range(20))], 1.0),
+    ):
+        assert not ensembles.exceeds(walls, share * of_points + of_others + 1)
+        assert ensembles.exceeds(walls, share * of_points + of_others - 1)
 
 
 def test_processes_share_the_cache_of_the_cores_that_they_run_on(tmp_path):

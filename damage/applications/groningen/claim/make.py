@@ -127,8 +127,8 @@ def make_claim(claim, out, jobs, remake=False):
 
 
 def steps_to(draws):
-    """Numbers of draws after which there is a sheet: STEPS, or of them up to half of the draws that
-    are asked for, and these."""
+    """Numbers of draws after which there is a sheet: STEPS; where a number of draws is asked for,
+    those of STEPS up to half of it, then that number."""
     return (*(one for one in STEPS if one <= draws / 2), draws) if draws else STEPS
 
 
