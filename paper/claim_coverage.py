@@ -35,7 +35,6 @@ from damage.applications.groningen.claim.answer import (
     LEAST_DRAWS,
     PRIORS,
     WITHOUT,
-    of_cracks,
 )
 from damage.applications.groningen.claim.likeness import STATES, kernel, pairwise, strange_share
 from damage.applications.groningen.claim.make import layout_of
@@ -96,8 +95,7 @@ class Library:
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
         weight, twins = kernel(away, self.shown)[:, others], some_of(self.twins, others)
-        found = answers(twins, Likeness(away[:, others], weight, strange), survey.as_dict())
-        return found | {"cracks": of_cracks(twins, weight, survey)}
+        return answers(twins, Likeness(away[:, others], weight, strange), survey)
 
 
 def some_of(twins, which):
@@ -204,10 +202,13 @@ def rows_of(library, of, offsets, seed):
 def judged_cracks(found, twins, table, kind, k):
     """Numbers of cracks of a claim, and by each cause left out how many have an answer, and a wrong
     one; table: of the Survey on its own wall."""
-    answered = [] if found["no_answer"] else found["cracks"]
     counts = {"cracks": table["crack"].nunique()}
     for case in WITHOUT:
-        said = {one["crack"]: one[case]["said"] for one in answered if one[case]["said"] != "open"}
+        said = {
+            one["crack"]: one[case]["said"]
+            for one in found["cracks"]
+            if one[case]["said"] != "open"
+        }
         wrong = 0
         for label, joints in table.groupby("crack")["joint"]:
             width_m = twins.widest_of(joints.to_numpy())[TWIN[case][kind]][k]
@@ -236,7 +237,7 @@ def judged(found, but_for, width):
         row[f"p_{prior}"] = found["like_survey"][prior]["not_without_earthquakes"]["share"]
         for what, true in width.items():
             for table in ("like_survey", "all_draws"):
-                three = (found["crack_width_mm"][prior][table] or {}).get(what)
+                three = found["crack_width_mm"][prior][table][what]
                 row[f"{table}_{what}_{prior}"] = (
                     three and three[0] - 1e-9 <= true <= three[2] + 1e-9
                 )

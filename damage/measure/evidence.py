@@ -396,6 +396,22 @@ def outside(evidence):
     ]
 
 
+def names_outside(words):
+    """Names of the quantities in the words of `outside`, joined by "; ", a set.
+
+    >>> names_outside("length 6.2 m (1 to 4.05 m); drift across the wall 1 % (none)") == {
+    ...     "length", "drift across the wall"
+    ... }
+    True
+    """
+    names = sorted((one.name for one in QUANTITIES), key=len, reverse=True)
+    return {
+        name
+        for part in words.split("; ")
+        for name in [one for one in names if part.startswith(f"{one} ")][:1]
+    }
+
+
 def _beyond(judged):
     """A value outside its limits in as many digits, three or more, as tell it from them."""
     digits = (f"{judged['value']:.{count}g}" for count in range(3, 17))

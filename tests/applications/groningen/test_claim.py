@@ -11,7 +11,6 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -20,8 +19,16 @@ from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
+from damage.applications.cracks.crack_file import CrackPattern
 from damage.applications.cracks.kept import SETTLED, patterns_of, read_patterns
-from damage.applications.cracks.survey import distance, distances, read_survey, seen_of, surveyed
+from damage.applications.cracks.survey import (
+    Survey,
+    distance,
+    distances,
+    read_survey,
+    seen_of,
+    surveyed,
+)
 from damage.applications.groningen.claim import make
 from damage.applications.groningen.claim.answer import (
     BUT_FOR,
@@ -37,9 +44,17 @@ from damage.applications.groningen.claim.answer import (
     wilson,
     worlds_of,
 )
-from damage.applications.groningen.claim.likeness import FARTHEST, KERNEL, kernel
+from damage.applications.groningen.claim.dutch import in_language
+from damage.applications.groningen.claim.likeness import (
+    FARTHEST,
+    KERNEL,
+    NEAREST,
+    kernel,
+    strange_share,
+)
 from damage.applications.groningen.claim.make import USUAL, USUAL_OPTIONS, describe, layout_of
-from damage.applications.groningen.claim.sheet import sheet
+from damage.applications.groningen.claim.numbers import Likeness, answers
+from damage.applications.groningen.claim.sheet import in_words, sheet
 from damage.applications.groningen.claim.size import size_of
 from damage.applications.groningen.claim.twins import (
     BOTH,
@@ -54,6 +69,7 @@ from damage.applications.report.words import LANGUAGES, all_words, number
 from damage.applications.studies import folder
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import line_of, point_line, read_records
+from damage.history.reader import read_history
 from damage.law.modes import Modes
 from damage.measure.cracks import ENDS
 from damage.measure.evidence import QUANTITIES
@@ -330,6 +346,16 @@ class TestButFor:
         assert list(kernel(np.zeros(2), ~fell.fell["both"])) == [0.0, 1.0]
 
 
+def crack_survey(stretches, joints, looked_at=(True, True)):
+    """A Survey by rows of its stretches, (crack, x, z, x, z, width [m]), and of its joints."""
+    parts = pd.DataFrame(stretches, columns=["crack", *ENDS, "width_m"])
+    table = pd.DataFrame(joints, columns=["crack", "joint"])
+    return Survey(
+        *("survey.csv", "", CrackPattern(1, np.nan, parts), table, 2),
+        *(1.0, 0.0, 1e-4, 0.0, np.array(looked_at), ()),
+    )
+
+
 class TestCracks:
     """Each of two joints has a crack of the survey; a third crack lies on no joint."""
 
@@ -350,13 +376,8 @@ class TestCracks:
     )
 
     def found(self, like, twins=TWO):
-        stretches = pd.DataFrame(
-            [["a", 0, 0, 1, 0, 5e-4], ["b", 1, 0, 2, 0, 4e-4], ["c", 3, 0, 3, 1, 2e-4]],
-            columns=["crack", *ENDS, "width_m"],
-        )
-        pattern = SimpleNamespace(stretches=stretches, length_m=np.ones(3))
-        table = pd.DataFrame({"crack": ["a", "b"], "joint": [0, 1]})
-        return of_cracks(twins, like, SimpleNamespace(pattern=pattern, table=table))
+        stretches = [["a", 0, 0, 1, 0, 5e-4], ["b", 1, 0, 2, 0, 4e-4], ["c", 3, 0, 3, 1, 2e-4]]
+        return of_cracks(twins, like, crack_survey(stretches, [["a", 0], ["b", 1]]))
 
     def test_each_crack_by_hand(self):
         """Where all ground settled, by weights: `a` is the settlement's, `b` the earthquakes'."""
@@ -390,10 +411,11 @@ class TestCracks:
 
 
 class TestAnswer:
-    def tables(self, *bounds):
+    def tables(self, *bounds, draws=50.0):
         return {
             str(k): {
-                name: {"share": (low + high) / 2, "low": low, "high": high} for name in BUT_FOR
+                name: {"share": (low + high) / 2, "low": low, "high": high, "draws": draws}
+                for name in BUT_FOR
             }
             for k, (low, high) in enumerate(bounds)
         }
@@ -402,6 +424,8 @@ class TestAnswer:
         name = BUT_FOR[0]
         assert verdict(self.tables((0.9, 1.0), (0.95, 1.0)))[name] == "yes"
         assert verdict(self.tables((0.0, 0.1), (0.0, 0.05)))[name] == "no"
+        few = self.tables((0.0, 0.1), (0.0, 0.05), draws=49.0)
+        assert verdict(few)[name] == "open", "as few of those that resemble it count"
         for bounds in (
             ((0.9, 1.0), (0.89, 1.0)),
             ((0.0, 0.1), (0.9, 1.0)),
@@ -441,6 +465,39 @@ class TestLikeness:
             ]
         )
 
+    def test_cracks_where_nobody_looked_do_not_count(self):
+        """60 draws resemble the survey of one joint; by settlement all have a wide crack at
+        another."""
+        opening = {
+            "both": [[0.4, 5.0]],
+            "earthquakes": [[0.4, 0.0]],
+            "settlement": [[0.0, 5.0]],
+            "none": [[0.0, 0.0]],
+        }
+        twins = replace(
+            TestCracks.TWO,
+            numbers=np.arange(60),
+            opening_m={name: np.repeat(mm, 60, axis=0) * 1e-3 for name, mm in opening.items()},
+            offset_m={name: np.zeros((60, 2)) for name in STATES},
+            fell={name: np.zeros(60, bool) for name in STATES},
+            settlement=pd.DataFrame({"profile": ["knick"] * 60, "distortion": 0.001}),
+        )
+        like = Likeness(np.zeros((2, 60)), np.ones((2, 60)), 0.0)
+        one = crack_survey([["a", 0, 0, 1, 0, 4e-4]], [["a", 0]], looked_at=[True, False])
+        found = answers(twins, like, one)
+        assert found["no_answer"] == [] and found["verdict"]["not_without_earthquakes"] == "yes"
+        assert found["crack_width_mm"]["0.5"]["like_survey"]["added"] == pytest.approx([0.4] * 3)
+        assert found["cracks"][0]["without_earthquakes"]["said"] == "no"
+        whole = answers(twins, like, replace(one, looked_at=np.ones(2, bool)))
+        assert whole["verdict"]["not_without_earthquakes"] == "open"
+        strange = answers(twins, like._replace(strange=0.96), one)
+        assert set(strange["verdict"].values()) == {"open"}, "no answer in claim.json, either"
+        assert strange["cracks"][0]["without_earthquakes"]["said"] == "open"
+
+    def test_a_few_patterns_say_of_none_that_it_is_strange(self):
+        assert strange_share(np.full(NEAREST, 0.9), np.zeros((NEAREST, NEAREST))) == 0.0
+        assert strange_share(np.full(NEAREST + 1, 0.9), np.zeros((NEAREST + 1,) * 2)) == 1.0
+
     def test_kernel(self):
         assert kernel(np.array([0.0, KERNEL]), np.ones(2, bool)) == pytest.approx(
             [1.0, np.exp(-0.5)]
@@ -475,6 +532,14 @@ class TestSheet:
         assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(
             numbers
         )
+
+    def test_evidence_is_that_of_all_runs(self, claimed):
+        twins = read_twins(claimed, layout_of(claimed.parent / "narrow.py"))
+        history = read_history(next((claimed / "runs").glob("both*.h5")))
+        found = make._evidence(history, ["", "drift 0.4 % (up to 0.3 %); slip of a joint 11 mm"])
+        assert len(twins.outside) == 2 * len(twins)
+        assert found["drift"]["outside_share"] == 0.5 and found["drift"]["inside"] is False
+        assert found["corners with other walls"]["outside_share"] == 0
 
     def test_an_answer_says_what_the_earthquakes_added(self, claimed):
         """Cracks of other causes may have become wider."""
@@ -514,6 +579,19 @@ class TestSheet:
             *(f"why_{why}" for why in ("draws", "strange", "off_joints", "small")),
         ]
         assert [key for key in wanted if key not in all_words()] == []
+
+    def test_a_sentence_is_not_taken_for_the_part_of_another(self):
+        said = "crack A (0.15 mm) would be there without earthquakes: yes, without settlement: no"
+        assert in_language("nl", said) == (
+            "scheur A (0.15 mm) zou er zijn zonder aardbevingen: ja, zonder zetting: nee"
+        )
+
+    def test_a_value_is_told_from_its_limit(self):
+        numbers = {"no_answer": [{"why": "draws", "value": 49.96}]}
+        numbers |= {"like_survey": {}, "crack_width_mm": {}, "settlement": {}}
+        numbers["survey"] = {"detection_limit_known": True}
+        numbers["verdict"] = dict.fromkeys(BUT_FOR, "open")
+        assert in_words(numbers)["why"][0].startswith("only 49.96 of the computed walls")
 
     def test_a_dutch_sheet_has_no_english_text(self, claimed, capsys):
         assert main(words(claimed.parent, "--language", "nl", draws=4)) == 0

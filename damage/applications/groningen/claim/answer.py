@@ -134,16 +134,16 @@ def verdict(tables):
 
 
 def said(shares):
-    """What a `share` by each prior says, "yes", "no" or "open": an answer where all of them agree
-    by their whole intervals."""
-    if any(row["share"] is None for row in shares):
+    """What a `share` by each prior says, "yes", "no" or "open": an answer where all of them have
+    LEAST_DRAWS and agree by their whole intervals."""
+    if any(row["draws"] < LEAST_DRAWS for row in shares):
         return "open"
     if all(row["low"] >= SURE - 1e-9 for row in shares):
         return "yes"
     return "no" if all(row["high"] <= 1 - SURE + 1e-9 for row in shares) else "open"
 
 
-def of_cracks(twins, likeness, survey):
+def of_cracks(twins, likeness, survey, answered=True):
     """Of each crack of a `damage.applications.cracks.survey.Survey`, what twins say of it without
     a cause, a list of plain dictionaries in the order of the survey.
 
@@ -155,7 +155,7 @@ def of_cracks(twins, likeness, survey):
     Each has the crack's label, widest and length as surveyed, its ends, and by WITHOUT: said,
     "yes" where it would be there; shares: {prior: `share`}; width_mm: 5, 50 and 95 % of the widest
     over all priors, None without a weight.  said is "open", and shares is empty, of a crack on no
-    joint.
+    joint; said is "open", too, unless answered.
     """
     asked = WITHOUT if twins.ground_is_known else WITHOUT[:1]
     stretches = survey.pattern.stretches.assign(length_m=survey.pattern.length_m)
@@ -172,12 +172,12 @@ def of_cracks(twins, likeness, survey):
         }
         width_m = twins.widest_of(joints[label]) if label in joints else None
         for case in WITHOUT:
-            row[case] = _of_crack(width_m if case in asked else None, case, likeness)
+            row[case] = _of_crack(width_m if case in asked else None, case, likeness, answered)
         found.append(row)
     return found
 
 
-def _of_crack(width_m, case, likeness):
+def _of_crack(width_m, case, likeness, answered):
     """What is said of a crack without a cause, by the widths of its joints, None without one; a
     wall that fell without it has the crack, of no width."""
     if width_m is None:
@@ -191,7 +191,7 @@ def _of_crack(width_m, case, likeness):
         ranges.append(quantiles(width[stands] / MILLIMETRE, worlds.weight[stands]))
     middle = ranges[len(ranges) // 2]
     return {
-        "said": said(shares.values()),
+        "said": said(shares.values()) if answered else "open",
         "shares": shares,
         "width_mm": middle
         and [min(one[0] for one in ranges), middle[1], max(one[2] for one in ranges)],

@@ -11,14 +11,19 @@ from pathlib import Path
 from damage.errors import InputError
 
 
+def _most_words(sentence):
+    return -len(re.sub(r"\{\w+\}", "", sentence[0]))
+
+
 @cache
 def _table():
-    """({term: term in Dutch}, [(pattern of a sentence, sentence in Dutch)])."""
+    """({term: term in Dutch}, [(pattern of a sentence, sentence in Dutch)]), the patterns of most
+    words first: others hold a part of a sentence for a name."""
     file = Path(__file__).with_name("dutch.toml")
     found = tomllib.loads(file.read_text(encoding="utf-8"))
     sentences = [
         (re.compile(re.sub(r"\\{(\w+)\\}", r"(?P<\1>.+?)", re.escape(english)), re.DOTALL), dutch)
-        for english, dutch in found["sentences"].items()
+        for english, dutch in sorted(found["sentences"].items(), key=_most_words)
     ]
     return found["terms"], sentences
 

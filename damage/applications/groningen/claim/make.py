@@ -34,7 +34,7 @@ from damage.arguments import fraction
 from damage.errors import InputError, some_of, warn
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
-from damage.measure.evidence import evidence_for
+from damage.measure.evidence import evidence_for, names_outside
 from damage.measure.summary import summarise
 from damage.run.options import settings_of
 from damage.wall.as_built import warn_of_courses
@@ -110,7 +110,13 @@ def make_claim(claim, out, jobs, remake=False):
             given = claim.address | claim.options | {"units": claim.units}
             exposure = read_address(out / f"{SHAKEN}.address.toml").exposure  # that the runs have
             numbers = numbers_of(
-                twins, survey, layout, exposure, given, _ground(claim), _evidence(first)
+                twins,
+                survey,
+                layout,
+                exposure,
+                given,
+                _ground(claim),
+                _evidence(first, twins.outside),
             )
             done = draws == steps[-1] or (not claim.draws and enough(numbers, steps[-1]))
             numbers["draws_to_come"] = None if done else steps[-1]
@@ -226,9 +232,16 @@ def _first(out, study):
     return read_history(out / "runs" / f"{first.name(1)}.h5")
 
 
-def _evidence(history):
-    """Judgement of the range of validity on a history."""
-    return evidence_for(history.masonry_wall, history.parameters, summarise(history))
+def _evidence(history, outside):
+    """Judgement of the range of validity on a history, with the share of all runs that are outside;
+    outside: of Twins."""
+    found = evidence_for(history.masonry_wall, history.parameters, summarise(history))
+    runs = list(map(names_outside, outside))
+    for name, one in found.items():
+        one["outside_share"] = float(np.mean([name in of for of in runs]))
+        if one["outside_share"]:
+            one["inside"] = False
+    return found
 
 
 def _crack_in_words(crack):

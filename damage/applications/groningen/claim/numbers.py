@@ -27,11 +27,9 @@ from damage.applications.groningen.claim.likeness import (
     kernel,
     pairwise,
     strange_share,
-    strangeness,
 )
 from damage.applications.groningen.claim.twins import SHAKEN
 from damage.applications.groningen.exposure.exposure import strongest
-from damage.index import THRESHOLD
 from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
@@ -77,12 +75,15 @@ def claimed(twins, seen):
 
 
 def answers(twins, likeness, survey):
-    """What twins say by the Likeness of a survey: tables, widths, verdict and reasons for no
-    answer; survey: as of `Survey.as_dict`."""
+    """What twins say by the Likeness of a Survey: tables, widths, verdict, cracks, and reasons for
+    no answer, where everything is open.  Of those that resemble it counts what lies where it
+    looked."""
     away, like, strange = likeness
+    known, seen_m = survey.as_dict(), twins.widest_of(survey.looked_at)
     first, second, wide, number = {}, {}, {}, {}
     for prior in map(str, PRIORS):
-        every, worlds = (worlds_of(twins.width_m, float(prior), of) for of in (None, like))
+        every = worlds_of(twins.width_m, float(prior))
+        worlds = worlds_of(seen_m, float(prior), like)
         first[prior], second[prior], number[prior] = (
             table(every),
             table(worlds),
@@ -90,11 +91,12 @@ def answers(twins, likeness, survey):
         )
         wide[prior] = {
             "all_draws": widths(every),
-            "like_survey": widths(worlds, survey["max_width_mm"], survey["width_error_mm"]),
+            "like_survey": widths(worlds, known["max_width_mm"], known["width_error_mm"]),
         }
     nearest = np.argsort(np.where(standing(twins), away, np.inf).ravel(), kind="stable")[
         :SHOWN_NEAREST
     ]
+    why = reasons(known, min(number.values()), strange)
     return {
         "draws": len(twins),
         "kernel": KERNEL,
@@ -104,12 +106,9 @@ def answers(twins, likeness, survey):
         "effective_draws": number,
         "crack_width_mm": wide,
         "stranger_than": strange,
-        "strangeness": strangeness(away.ravel()),
-        "verdict": verdict(second),
-        "no_answer": [
-            {"why": why, "value": value}
-            for why, value in reasons(survey, min(number.values()), strange)
-        ],
+        "verdict": dict.fromkeys(BUT_FOR, "open") if why else verdict(second),
+        "cracks": of_cracks(twins, like, survey, answered=not why),
+        "no_answer": [{"why": code, "value": value} for code, value in why],
         "nearest": [
             {
                 "life": int(twins.numbers[place % len(twins)]),
@@ -202,13 +201,15 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
     wall: Layout; exposure: damage.applications.groningen.exposure.exposure.Exposure; choices: of
     `damage.applications.groningen.exposure.lives.Choices`, how motions are chosen; settlement:
     {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds} otherwise;
-    evidence: {quantity: judgement} of `damage.measure.evidence`.
+    evidence: {quantity: judgement} of `damage.measure.evidence` on the first draw, with
+    "outside_share" of all runs.
     """
-    events, likeness = twins.events[SHAKEN], likeness_of(twins, survey, wall)
+    events = twins.events[SHAKEN]
     offsets = survey.table["offset"].notna().any() if len(survey.table) else False
     known = {
         "offsets_known": bool(offsets),
         "detection_limit_known": not isnan(survey.pattern.detection_limit_m),
+        "share_looked_at": float(survey.looked_at.mean()),
     }
     return {
         "house": wall.wall.name,
@@ -218,11 +219,8 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
         "settlement": settlement,
         "choices": choices,
         "survey": survey.as_dict() | known,
-        "visible_from_mm": THRESHOLD / MILLIMETRE,
         "priors": list(PRIORS),
-        "questions": list(BUT_FOR),
-        **answers(twins, likeness, survey.as_dict()),
-        "cracks": of_cracks(twins, likeness.weight, survey),
+        **answers(twins, likeness_of(twins, survey, wall), survey),
         "at_the_end": at_the_end(twins),
         "by_event": by_event(twins),
         "events_per_draw": float(len(events) / events["life"].nunique()),

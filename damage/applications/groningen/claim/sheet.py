@@ -73,7 +73,7 @@ def sheet(numbers, wall, survey, twins, language, json_name):
             places=_places,
             pictures=_pictures(numbers, wall, survey, twins, say, shown),
             taken=_taken(numbers, say, shown),
-            evidence=_evidence(numbers["evidence"], say),
+            evidence=_evidence(numbers["evidence"], say, shown),
             json_name=json_name,
             software=_software(numbers["made_by"]),
         )
@@ -96,16 +96,23 @@ def in_words(numbers, language="en"):
     why = [
         say(
             f"why_{one['why']}",
-            value=shown(one["value"] * (100 if one["why"] in _PERCENT else 1)),
-            limit=shown(_LIMITS[one["why"]]),
+            value=_beyond(one["value"] * (100 if one["why"] in _PERCENT else 1), limit, shown),
+            limit=shown(limit),
         )
         for one in numbers["no_answer"]
+        for limit in (_LIMITS[one["why"]],)
     ]
     return {
         "answer": _answer(numbers, say, shown),
         "why": why,
         "helps": [say(f"help_{one}") for one in _helps(numbers)],
     }
+
+
+def _beyond(value, limit, shown):
+    """A value in as many digits, two or more, as tell it from its limit."""
+    texts = (shown(value, digits) for digits in range(2, 10))
+    return next((text for text in texts if text != shown(limit)), shown(value))
 
 
 def _helps(numbers):
@@ -115,10 +122,9 @@ def _helps(numbers):
         return []
     survey = numbers["survey"]
     helps = {
-        "draws": "draws" in open_why,
+        "draws": open_why == {"draws"},
         "front": bool(open_why & {"strange", "off_joints"}),
         "levels": "drawn" in numbers["settlement"],
-        "offsets": not survey["offsets_known"],
         "limit": not survey["detection_limit_known"],
     }
     return [name for name, applies in helps.items() if applies]
@@ -195,6 +201,7 @@ def _taken(numbers, say, shown):
         ),
         *_windows(numbers["choices"].get("strong"), say, shown),
         *_units(numbers["choices"].get("units", (1, 1)), say),
+        *_looked_at(survey["share_looked_at"], say),
         say("widths_used"),
         say(
             "detection",
@@ -213,14 +220,23 @@ def _windows(strong, say, shown):
     return [say("windows", first=shown(100 * strong[0]), last=shown(100 - 100 * strong[1]))]
 
 
+def _looked_at(share, say):
+    """How much of the front the survey looked at, a list of sentences, empty where all of it."""
+    return [] if share == 1 else [say("looked_at", share=round(100 * share))]
+
+
 def _units(units, say):
     """What the units of the front are, a list of sentences, empty where they are its bricks."""
     along, up = units
     return [] if along == up == 1 else [say("units", along=along, up=up)]
 
 
-def _evidence(evidence, say):
-    outside = [say(f"quantity {name}") for name, one in evidence.items() if one["inside"] is False]
+def _evidence(evidence, say, shown):
+    outside = [
+        say(f"quantity {name}") + (share < 1) * say("in_runs", share=shown(100 * share))
+        for name, one in evidence.items()
+        if (share := one["outside_share"]) > 0
+    ]
     known = sum(one["inside"] is not None for one in evidence.values())
     return (
         say("outside", found=len(outside), known=known, names=", ".join(outside))

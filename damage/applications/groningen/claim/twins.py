@@ -70,7 +70,8 @@ class Twins:
     {of STATES: (n,)}; ends: (n_joints, 2, 2) [m] and length_m: (n_joints,) of the contact points;
     events: {of SHAKEN, BOTH: table of `damage.applications.groningen.life.results.life_of` of all
     draws}; settlement: a row a draw: profile, distortion; made_by: {of MADE_BY: what it was when
-    the draws were made}.
+    the draws were made}; outside: of each run, which quantities are outside the range of validity,
+    in words.
     """
 
     numbers: np.ndarray
@@ -82,6 +83,7 @@ class Twins:
     events: dict
     settlement: pd.DataFrame
     made_by: dict = field(default_factory=dict)
+    outside: tuple[str, ...] = ()
 
     def __len__(self):
         return len(self.numbers)
@@ -188,6 +190,7 @@ def read_twins(folder, layout):
             [{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]
         ),
         _made_by(folder, [row for of in rows.values() for row in of]),
+        tuple(row["outside_validity"] or "" for of in rows.values() for row in of),
     )
 
 
