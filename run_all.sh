@@ -14,7 +14,7 @@ shipped() {
 usage() {
     cat <<END
 usage: ./run_all.sh STUDY [-j N] [--out DIR] [--solver yade|reference|both]
-                          [--keep all|summary] [--slice K/N] [--remake]
+                          [--keep all|summary|patterns] [--slice K/N] [--remake]
                           [--dry-run]
 
 STUDY is one of:
@@ -30,7 +30,8 @@ the paper (hours; with YADE days).
   --solver WHAT  what simulates: yade (default), reference (the built-in
                  solver), or both
   --keep WHAT    histories: all (default), or summary: those of each point's
-                 first run, and what failed
+                 first run, and what failed; patterns: these, and what is left
+                 at rest of every run
   --slice K/N    the K-th of N parts alone, without tables of the whole study: a
                  job of a cluster
   --remake       make runs again that another version of the model made (without
@@ -82,8 +83,8 @@ while [ $# -gt 0 ]; do
                 *) more+=("$1" "$2") ;;
             esac
             case $1$2 in
-                --keepall | --keepsummary) ;;
-                --keep*) fail "--keep $2: expected all or summary; correct it" ;;
+                --keepall | --keepsummary | --keeppatterns) ;;
+                --keep*) fail "--keep $2: expected all, summary or patterns; correct it" ;;
             esac
             shift 2
             ;;

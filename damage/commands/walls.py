@@ -115,7 +115,9 @@ def _draw(asked):
     if is_house(asked.wall):
         from damage.draw.house_preview import house_preview
 
-        wall = read_house(asked.wall)
+        wall = in_units(read_house(asked.wall), asked.units)
+        for placed in () if asked.accept_implausible else wall.walls:
+            check_plausible(placed.wall)
         figure = house_preview(lay_out_house(wall, model_of(asked)))
     else:
         wall = plausible_wall(asked, asked.wall)

@@ -63,8 +63,8 @@ PREPARATION = (
     file_arg(
         "--across",
         "FILE",
-        "the record's other horizontal component, which is not applied: with it there are "
-        "measures of the largest of all directions (RotD100)",
+        "the record's other horizontal component, for measures of the largest of all directions"
+        " (RotD100); shakes a house across its heading, not a plane wall",
     ),
 )
 """The options that prepare a record; `recorded` reads them."""

@@ -126,7 +126,7 @@ def cut_bricks(layout):
     number = np.arange(len(old)) + np.where(np.arange(len(old)) < n, 0, added)
     behind = n + np.cumsum(counts) - counts  # number of each brick's second part
     cells = _on_parts(layout.cells, cuts, number, behind)
-    bodies, contacts = _parts(old, cuts, n), _under_new_numbers(layout.contacts, cells, number)
+    bodies, contacts = _parts(old, cuts, n), _under_new_numbers(layout.contacts, cells)
     rows = _cuts(wall.brick, old, cuts, number, behind, cells)
     glue = int(np.sum(contacts.kind != CAP))
     contacts = _with(contacts, np.full(len(rows["x"]), glue), rows)
@@ -197,7 +197,7 @@ def _on_parts(cells, cuts, number, behind):
     )
 
 
-def _under_new_numbers(contacts, cells, number):
+def _under_new_numbers(contacts, cells):
     """Contacts between the bodies that their cells belong to now."""
     bodies = {
         side: np.where(cell == GROUND, getattr(contacts, side), cells.body[cell])

@@ -131,6 +131,12 @@ def test_what_takes_a_wall_says_that_this_is_a_house():
     assert "houses run by ./yade" in one_line_error(load_wall, BOX)
 
 
+def test_a_house_is_drawn_in_the_units_that_are_asked_for(error_of, tmp_path):
+    """Units of two bricks have no half brick for the other wall at a toothed corner."""
+    out = tmp_path / "box.png"
+    assert "expected a half brick" in error_of("draw", BOX, "--units", 2, 2, "--out", out)
+
+
 def test_corners_of_two_masonries_have_the_weaker_properties():
     """Each wall keeps its own; a half brick makes room for a brick of the other wall."""
     ends = ("one", "whole", 5e9, 2e5, 0.5, 1500), ("other", "half", 8e9, 1e5, 0.7, 2000)

@@ -150,7 +150,7 @@ def study_part(folder):
         "title": str(about.get("title") or ""),
         "folder": shown_path(folder),
         "shared": [(name, _cell(points.iloc[0][name], name)[0]) for name in shared],
-        "first": said_first(folder, summary, points) + unread,
+        "first": said_first(folder, summary) + unread,
         "heads": heads,
         "rows": [
             _point(row, content, summary)
@@ -273,7 +273,7 @@ def _scale(values, first, last):
     return place, [(round(float(place(tick)), 1), f"{tick:g}") for tick in ticks]
 
 
-def said_first(folder, summary, points):
+def said_first(folder, summary):
     """Notes on a study before its results: missing, growing and unfinished runs, collapses; a list
     of str."""
     lines = [line for line in [unfinished(folder)] if line]

@@ -82,7 +82,7 @@ class Results:
                 dict.fromkeys(
                     one
                     for key in {self._key(name) for name in names}
-                    for one in self.changes(run, inputs, key)
+                    for one in self.changes(inputs, key)
                 )
             )
             if differing:
@@ -97,7 +97,7 @@ class Results:
         record = self.records.runs.get(name)
         return self.records.points.get(point_of(name)) if record is None else record.get("inputs")
 
-    def changes(self, run, inputs, key):
+    def changes(self, inputs, key):
         """How Inputs differ from those with this key, a list of words; empty where they are
         equal."""
         then = self.records.inputs.get(key)
