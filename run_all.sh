@@ -123,7 +123,7 @@ if [ "$memory" != unlimited ] && [ $((memory * 1024 / 1000000)) -lt $least ]; th
     exit 1
 fi
 # shellcheck source=scripts/environment.sh
-source "$root/scripts/environment.sh" run
+source "$root/scripts/environment.sh" "$([ "$solver" = reference ] && echo reference || echo run)"
 # Runs side by side are what uses the processors; threads of linear algebra would only wait on them.
 export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
 

@@ -2,6 +2,7 @@
 # Finds, or installs on Debian, what the programs of this repository need.  Other scripts source it:
 #
 #     source scripts/environment.sh run     # YADE, a Python with the packages
+#     source scripts/environment.sh reference # the same without YADE
 #     source scripts/environment.sh cluster # also Snakemake
 #     source scripts/environment.sh test    # also pytest with xdist and timeout, hypothesis and, where it can be had, obspy
 #     source scripts/environment.sh coverage    # also coverage
@@ -226,6 +227,7 @@ _env_main() {
     local modules=(numpy scipy pandas h5py matplotlib numba jinja2)
     case ${1:-run} in
         run) ;;
+        reference) _env_programs=() ;;
         cluster) modules+=(snakemake) ;;
         test) modules+=(snakemake pytest xdist pytest_timeout hypothesis flask) ;;
         coverage) modules+=(snakemake pytest xdist hypothesis flask coverage) ;;
@@ -246,7 +248,7 @@ _env_main() {
             _env_programs=(shellcheck)
             ;;
         *)
-            _env_say "error: environment.sh $1: expected run, cluster, test, coverage, browser, app, site or gates; correct the call"
+            _env_say "error: environment.sh $1: expected run, reference, cluster, test, coverage, browser, app, site or gates; correct the call"
             return 2
             ;;
     esac

@@ -147,7 +147,7 @@ def _set(owner, name, values):
     elif isinstance(old, list):
         setattr(owner, name, values.tolist())
     else:
-        setattr(owner, name, type(old)(values))
+        setattr(owner, name, values if values.shape else type(old)(values))
 
 
 def _pairs(pairs):
@@ -179,9 +179,11 @@ def _load_scene(scene, solver):
 
 
 def _loads():
-    """Forces and torques on the bodies, of clumps those of a top that is held or restrained,
-    (n_ids, 6) [N, N m]."""
-    return np.array([(*O.forces.f(body.id, True), *O.forces.t(body.id, True)) for body in O.bodies])
+    """Numbers of the bodies, some of which may be erased, and forces and torques on them, of clumps
+    those of a top that is held or restrained, (n_bodies, 7) [N, N m]."""
+    return np.array(
+        [(one.id, *O.forces.f(one.id, True), *O.forces.t(one.id, True)) for one in O.bodies]
+    )
 
 
 def _forces():
@@ -203,10 +205,10 @@ def _put_forces(loads, forces):
     for first, second, *force in forces.tolist():
         phys = O.interactions[int(first), int(second)].phys
         phys.normalForce, phys.shearForce = Vector3(force[:3]), Vector3(force[3:])
-    for body, load in enumerate(loads.tolist()):
+    for body, *load in loads.tolist():
         if any(load):
-            O.forces.addF(body, Vector3(load[:3]))
-            O.forces.addT(body, Vector3(load[3:]))
+            O.forces.addF(int(body), Vector3(load[:3]))
+            O.forces.addT(int(body), Vector3(load[3:]))
 
 
 def _removed(solver):

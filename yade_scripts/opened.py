@@ -20,6 +20,7 @@ from damage.history.writer import HistoryWriter, layout_tables
 from damage.run.cooperative import take_turns
 from damage.run.run import Run
 from damage.run.session import attended, prepare, simulate
+from damage.start import EXIT_INTERRUPTED
 from damage.wall.kinds import KINDS
 
 _OWN = (
@@ -125,9 +126,11 @@ class Scene:
         self._finished = True
         backend = replace(prepared.backend, make=lambda *_: self.solver, begins=self._begins)
         with redirect_stdout(io.StringIO()), attended(self.wall.name, quiet=True) as keep_going:
-            take_turns(
+            (status,) = take_turns(
                 [simulate(replace(prepared, backend=backend), keep_going, _AtRest(self._settled))]
             )
+        if status == EXIT_INTERRUPTED:
+            raise KeyboardInterrupt
         return prepared.writer.history()
 
     def _begins(self, run):

@@ -486,8 +486,16 @@ class YadeSolver(Solver):
         return self.scene.base_reaction()
 
     def resume(self, state):
+        blocked = [one.blockedDOFs for one in self.scene.states]
         checkpoint.restore(self, state)
         self.clock, self._input_time = 0, 0.0
+        # nothing holds the top of this run yet
+        self._velocity, self._top_stiffness, self._top_rest = 0.0, 0.0, 0.0
+        self.scene.follows[...] = np.where(self.layout.held, 0.0, 1.0)
+        if not self._restraint:
+            self.scene.on_top[...] = 0.0
+        for one, dofs in zip(self.scene.states, blocked):
+            one.blockedDOFs = dofs
 
     def checkpoint(self):
         return checkpoint.tables_of(self)

@@ -116,8 +116,8 @@ def _draw(asked):
         from damage.draw.house_preview import house_preview
 
         wall = in_units(read_house(asked.wall), asked.units)
-        for placed in () if asked.accept_implausible else wall.walls:
-            check_plausible(placed.wall)
+        if not asked.accept_implausible:
+            check_plausible(wall)
         figure = house_preview(lay_out_house(wall, model_of(asked)))
     else:
         wall = plausible_wall(asked, asked.wall)

@@ -177,7 +177,7 @@ class History:
         return max(
             abs(factor)
             for factor, loading in zip(self.sequence, self.event_loadings)
-            if loading.name == self.loading.name
+            if loading.as_dict() == self.loading.as_dict()
         )
 
     @property

@@ -97,7 +97,8 @@ PARAMETERS = {
         "wall; empty without openings",
     ),
 }
-"""{names: Column} of the parameters that are equal in all runs of a point."""
+"""{names: Column} of the parameters that are equal in all runs of a point, but for the motions of
+lives and the walls of samples: of those that differ a point has median and range."""
 RUN = {
     "run": Column("", "name of the run"),
     "status": Column("", "complete, interrupted, failed, unfinished"),

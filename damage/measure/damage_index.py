@@ -121,11 +121,17 @@ def storey_drifts(history):
     sample = np.searchsorted(history.series["time_s"].to_numpy(), history.snapshot_time_s - 1e-9)
     sample = np.minimum(sample, len(history.series) - 1)
     ends = [
-        np.zeros(len(moved)),
         *(moved[:, levels[z]].mean(axis=1) for z in sorted(levels)),
         history.series["top_displacement_m"].to_numpy()[sample],
     ]
-    return heights, np.diff(np.column_stack(ends), axis=1) / np.diff(heights)
+    # the rigid motion of the base, which the wall's drift leaves out, too
+    along, turn = (
+        np.nan_to_num(history.series[name].to_numpy())[sample, np.newaxis]
+        for name in ("base_translation_m", "base_rotation_rad")
+    )
+    base = history.bodies["z_m"][history.bodies["course"] == 0].mean()
+    from_base = np.column_stack(ends) - along + np.sin(turn) * (heights[1:] - base)
+    return heights, np.diff(from_base, axis=1, prepend=0.0) / np.diff(heights)
 
 
 def _place(history, place):

@@ -151,5 +151,6 @@ def energy_measures(history):
         float(series[name].iloc[-1])
         for name in ("friction_energy_j", "fracture_energy_j", "input_energy_j")
     )
-    damping = float(np.diff(series["damping_energy_j"], prepend=0.0)[is_moving(series)].sum())
+    damping = series["damping_energy_j"].diff().fillna(0.0)  # of a run that another continues, too
+    damping = float(damping[is_moving(series)].sum())
     return given, friction, fracture, friction + fracture, damping, balance_error(history)

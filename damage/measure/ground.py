@@ -4,6 +4,7 @@ motion of the base."""
 import numpy as np
 
 from damage.history.schema import Column, measure
+from damage.index import DRIFT_LIMIT, THRESHOLD
 from damage.measure.cracks import PSI_FROM, psi_history
 from damage.units import MILLIMETRE
 
@@ -28,9 +29,11 @@ _EQUALLY = 0.999
         ),
     }
 )
-def settlement_measures(history, psi_from=PSI_FROM):
-    """Settlement and damage of a History at the end of the settlement stage; psi_from: width from
-    which a crack counts in Psi [m]."""
+def settlement_measures(
+    history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM
+):
+    """Settlement and damage of a History at the end of the settlement stage; arguments: of
+    `damage.measure.summary.summarise`."""
     settlement = np.flatnonzero(history.series["stage"] == "settlement")
     if not len(settlement):
         return None
@@ -38,7 +41,7 @@ def settlement_measures(history, psi_from=PSI_FROM):
     return *distortion(*edges_of(history, last)), *map(
         float,
         (
-            history.index()["DI"].iloc[last],
+            history.index(threshold, drift_limit, slip)["DI"].iloc[last],
             cracks["psi"].iloc[last],
             cracks["max_width_m"].iloc[last] / MILLIMETRE,
         ),

@@ -186,10 +186,18 @@ def on_axis_of(record, reference, window_s=None):
 
 
 def start_difference_s(record, other):
-    """Start of a record minus the start of another one [s]."""
+    """Start of a record minus the start of another one [s]; 0 of two without start time that are as
+    long, in equal steps."""
+    sizes = {(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)}
+    if not (record.start_utc or other.start_utc) and len(sizes) == 1:
+        return 0.0
     for one in (record, other):
         if not one.start_utc:
-            raise InputError(f"{one.name} has no start time; expected start_utc in ISO 8601")
+            raise InputError(
+                f"{one.name} has no start time: expected that of both components, or none of two as"
+                " long, in equal steps; cut them alike, or write '# start 2018-01-08T14:00:52Z' on"
+                " the first line of a CSV"
+            )
     return (_datetime(record.start_utc) - _datetime(other.start_utc)).total_seconds()
 
 

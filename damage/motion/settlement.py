@@ -185,7 +185,7 @@ def _of_levels(table, x, height):
     first, last = (
         _rising(table, x, height, np.flatnonzero(day_of == day)) for day in (days[0], days[-1])
     )
-    up = last[1] - (linear(last[0], *first) if len(days) > 1 else 0.0)
+    up = last[1] - (linear(last[0], *_longer(*first)) if len(days) > 1 else 0.0)
     if len(days) > 1 and (last[0][0] < first[0][0] - END_M or last[0][-1] > first[0][-1] + END_M):
         raise InputError(
             f"{table.path}: levels of {days[-1]} from x = {last[0][0]:g} to {last[0][-1]:g} m, of"
@@ -194,10 +194,16 @@ def _of_levels(table, x, height):
         )
     if len(days) == 1:
         warn(f"{table.path}: levels of one date: the course is taken as level when it was built")
-    slope = np.diff(up)[[0, -1]] / np.diff(last[0])[[0, -1]]
-    x = np.concatenate([last[0][:1] - END_M, last[0], last[0][-1:] + END_M])
-    up = np.concatenate([up[:1] - END_M * slope[0], up, up[-1:] + END_M * slope[1]])
+    x, up = _longer(last[0], up)
     return x, up - up.max()
+
+
+def _longer(x, up):
+    """Points with their ends extended by END_M."""
+    slope = np.diff(up)[[0, -1]] / np.diff(x)[[0, -1]]
+    return np.concatenate([x[:1] - END_M, x, x[-1:] + END_M]), np.concatenate(
+        [up[:1] - END_M * slope[0], up, up[-1:] + END_M * slope[1]]
+    )
 
 
 def _rising(table, x, height, rows):

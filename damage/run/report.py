@@ -92,7 +92,11 @@ def describe(summary):
     whole = "" if summary["max_across_mm"] is None else " of the house"
     lines = [
         f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
-        + (f", collapsed at {summary['collapsed_at_s']:.2f} s" if summary["collapsed_at_s"] else "")
+        + (
+            ""
+            if summary["collapsed_at_s"] is None
+            else f", collapsed at {summary['collapsed_at_s']:.2f} s"
+        )
     ]
     lines.append(
         f"{'slip by ' + summary['slip']:22s}{'DI':>8s}{'drift':>8s}{'open':>8s}{'slip':>8s}"
@@ -142,11 +146,12 @@ def describe(summary):
             " input"
         )
     if summary["peak_force_n"] is not None:
+        stiffness = (summary[f"{name}_stiffness_n_per_m"] for name in ("initial", "secant"))
+        at_first, to_peak = ("-" if one is None else rounded(one / 1e6, 3) for one in stiffness)
         lines.append(
             f"peak force {rounded(summary['peak_force_n'] / 1e3, 3)} kN at "
             f"{rounded(100 * summary['drift_at_peak_force'], 3)} % drift; stiffness "
-            f"{rounded(summary['initial_stiffness_n_per_m'] / 1e6, 3)} kN/mm at first, "
-            f"{rounded(summary['secant_stiffness_n_per_m'] / 1e6, 3)} kN/mm to 0.7 of the peak"
+            f"{at_first} kN/mm at first, {to_peak} kN/mm to 0.7 of the peak"
         )
     if summary["period_s"] is not None:
         lines.append(f"period of the free vibration {summary['period_s']:.4f} s")

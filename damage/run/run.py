@@ -499,7 +499,8 @@ class Run:
         """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
         first n Instants."""
         if not self.settings.new_contacts:
-            if self.settings.settlement:  # with the ground no brick has fallen
+            if self._base_motion is not None or self._base_motions:
+                # with the ground, of this run or of one before, no brick has fallen
                 lowest = (now.support_displacement - self._zero.support_displacement)[
                     : len(motion), :, 1
                 ].min(axis=1)

@@ -262,8 +262,8 @@ def check(backend, wall, settings):
     not go together."""
     if isinstance(wall, House):
         check_house(backend, settings, wall)
-    wall = masonry_of(wall)
     settings.check_plausible(wall)
+    wall = masonry_of(wall)
     if wall.joint.softens and not backend.softening:
         raise InputError(
             f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver"
@@ -281,7 +281,6 @@ def check_house(backend, settings, house):
     """Raise InputError where a run of a House is asked for what runs in the plane of a wall
     alone."""
     for placed in house.walls[1:]:
-        settings.check_plausible(placed.wall)
         backend.check(settings, placed.wall)
     drive = settings.loading.drive
     for what, given in (

@@ -64,9 +64,6 @@ def drawn(wall, of, seed):
     of: {of INPUTS: Range}; what it lacks is as given.  The friction coefficient stays below
     cohesion over tensile strength, where softening joints end.
     """
-    if isinstance(wall, House):
-        walls = [replace(one, wall=drawn(one.wall, of, seed)) for one in wall.walls]
-        return replace(wall, walls=walls)
     if not of:
         return wall
     if unknown := sorted(set(of) - set(INPUTS)):
@@ -75,6 +72,12 @@ def drawn(wall, of, seed):
         name: of[name].factor((seed, *_STREAM, number)) if name in of else 1.0
         for number, name in enumerate(INPUTS, 1)
     }
+    if isinstance(wall, House):
+        return replace(
+            wall,
+            walls=[replace(one, wall=drawn(one.wall, of, seed)) for one in wall.walls],
+            floors=[_times(one, factor, {"mass_per_area": "load"}) for one in wall.floors],
+        )
     load = factor["load"]
     return replace(
         wall,

@@ -14,12 +14,14 @@ from itertools import combinations
 import numpy as np
 
 from damage.errors import InputError
+from damage.fields import MOST_SEED
 from damage.rounded import to_bits
 from damage.wall.corners import joined_at, makes_room_for, with_loads
 from damage.wall.floors import Floor
 from damage.wall.house import outline
 from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
 from damage.wall.layout import Cells, Supports, lay_out
+from damage.wall.model_options import ModelOptions
 from damage.wall.space import (
     SHARES,
     THROUGH,
@@ -42,11 +44,18 @@ JOIST_PA, JOIST_M2 = 9e9, 0.075 * 0.2
 def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     """The Layout of a House with its `space`; arguments as of `damage.wall.layout.lay_out`.
 
-    The first wall has the strengths of that wall by itself, of the same seed.  Raises InputError,
-    with the place, of walls that do not meet at their corner, or overlap.
+    The first wall has the strengths of that wall by itself, of the same seed; those of joints at
+    corners do not scatter.  Raises InputError, with the place, of walls that do not meet at their
+    corner, or overlap.
     """
+    options = options or ModelOptions()
     parts = [
-        lay_out(one.wall, options, scatter=scatter, seed=seed + 1000 * number)
+        lay_out(
+            one.wall,
+            replace(options, strength_seed=(options.strength_seed + 1000 * number) % MOST_SEED),
+            scatter=scatter,
+            seed=seed + 1000 * number,
+        )
         for number, one in enumerate(house.bearing)
     ]
     parts = list(map(_below_slab, parts))
@@ -292,7 +301,7 @@ def _bars(layout):
     for floor in house.floors:
         z = (round(floor.level / height) - 0.5) * height
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
-            n = int(np.ptp(span.along) / floor.anchor_spacing + TINY)
+            n = max(1, int(np.ptp(span.along) / floor.anchor_spacing + TINY))
             own = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
             found.append(("", [(span, (one + 0.5) / n, *own) for one in range(n)]))
     for ties in house.ties:

@@ -11,8 +11,10 @@ unit turns another value into zero.
 from damage.errors import InputError
 from damage.fields import implausible_fields, message_of, plausible, ranges_of
 from damage.wall.floors import Floor
+from damage.wall.house import Diaphragm, House
 from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.ties import Ties
 
 ACCEPT = "--accept-implausible"
 """The option by which a command accepts all values as given."""
@@ -20,29 +22,36 @@ PER_LENGTH = "Floor.mass over its length"
 _PER_LENGTH = plausible(20, 1e5, "kg/m", "a light roof on a short span; several concrete floors")
 RANGES = {
     name: of
-    for kind in (Wall, Opening, Lintel, Floor, Brick, Joint)
+    for kind in (Wall, Opening, Lintel, Floor, Brick, Joint, Diaphragm, Ties)
     for name, of in ranges_of(kind).items()
 } | {PER_LENGTH: _PER_LENGTH}
 """{record and field, or what follows from fields: Range}."""
 
 
 def check_plausible(wall):
-    """Raise InputError, in one line, where a damage.Wall has values that masonry does not have."""
-    found = implausible(wall)
-    if found:
+    """Raise InputError, in one line, where a damage.Wall, or House, has values that masonry does
+    not have."""
+    what = "wall"
+    if isinstance(wall, House):
+        what = "house"
+        for one in wall.walls:
+            check_plausible(one.wall)
+    if found := implausible(wall):
         raise InputError(
-            f"wall {wall.name}: {'; '.join(found)}. Correct the unit, or accept all values as"
+            f"{what} {wall.name}: {'; '.join(found)}. Correct the unit, or accept all values as"
             f" given: {ACCEPT}"
         )
 
 
 def implausible(wall):
-    """Implausible values of a damage.Wall: a list of str, each with the unit that was probably
-    meant.
+    """Implausible values of a damage.Wall, or of a House without its walls: a list of str, each
+    with the unit that was probably meant.
 
     >>> implausible(Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.0)))
     ['Joint.tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa']
     """
+    if isinstance(wall, House):
+        return implausible_fields(*wall.floors, *wall.ties)
     records = (
         wall,
         *wall.openings,

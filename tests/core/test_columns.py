@@ -45,6 +45,21 @@ def test_a_point_begins_with_what_its_runs_share(still_history):
     assert list(points_of(runs).columns)[: len(shared)] == shared
 
 
+def test_a_point_has_the_range_of_what_its_runs_do_not_share(still_history):
+    """As of the motions of lives, whose first one the row had."""
+    row = summary_row(still_history)
+    (point,) = points_of(
+        pd.DataFrame(
+            [
+                row | {"pgv_m_s": pgv, "record": record, "point": "p"}
+                for pgv, record in ((0.01, "A"), (0.05, "B"), (0.02, "B"))
+            ]
+        )
+    ).to_dict("records")
+    assert [point[f"pgv_m_s{end}"] for end in ("", "_min", "_max")] == [0.02, 0.01, 0.05]
+    assert point["record"] is None and point["wall"] == row["wall"] and "scale_min" not in point
+
+
 def test_a_history_has_these_datasets_with_their_units(still_history):
     with h5py.File(still_history.path) as file:
         for group, table in TABLES.items():

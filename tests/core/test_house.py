@@ -10,11 +10,12 @@ from numpy.testing import assert_allclose
 import damage
 from damage.law.modes import natural_modes, stiffness_matrix
 from damage.motion.settlement import Settlement
+from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
 from damage.wall.house import Corner, Diaphragm, House, Placed, outline, read_house
 from damage.wall.house_layout import JOIST_M2, JOIST_PA, lay_out_house
-from damage.wall.kinds import GROUND, SLAB_COURSE
+from damage.wall.kinds import BED, GROUND, SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
@@ -135,6 +136,26 @@ def test_a_house_is_drawn_in_the_units_that_are_asked_for(error_of, tmp_path):
     """Units of two bricks have no half brick for the other wall at a toothed corner."""
     out = tmp_path / "box.png"
     assert "expected a half brick" in error_of("draw", BOX, "--units", 2, 2, "--out", out)
+
+
+def test_equal_walls_of_a_house_have_strengths_of_their_own():
+    layout = lay_out_house(read_house(BOX), ModelOptions(strength_cov=0.3, strength_seed=1))
+    contacts, wall = layout.contacts, layout.space.wall
+    inside = (contacts.kind == BED) & (wall[contacts.first] == wall[contacts.second])
+    bond = [
+        contacts.tensile_strength[
+            inside & (wall[contacts.second] == layout.space.house.names.index(name))
+        ]
+        for name in ("left", "right")
+    ]
+    assert len(bond[0]) == len(bond[1]) and not np.isclose(*bond).any()
+
+
+def test_inputs_of_a_house_are_drawn_for_its_floors_too():
+    house = read_house(REPOSITORY / "houses/terraced.toml")
+    masses = [one.mass_per_area for one in drawn(house, ranges("typical"), 3).floors]
+    factor = masses[0] / house.floors[0].mass_per_area
+    assert factor != 1 and masses == [factor * one.mass_per_area for one in house.floors]
 
 
 def test_corners_of_two_masonries_have_the_weaker_properties():

@@ -13,9 +13,11 @@ from damage.motion.formats import shipped_record_path
 from damage.run.options import parse_run
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
+from damage.wall.house import Diaphragm, House, Placed
 from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plausible import PER_LENGTH, RANGES, implausible
+from damage.wall.ties import Ties
 
 SOFTENING = Joint(
     mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6
@@ -30,6 +32,7 @@ WALL = Wall(
     joint=SOFTENING,
     floors=(Floor(1.0, 100.0, right=0.5),),
 )
+HOUSE = {"Diaphragm": Diaphragm(0.5, ("w",), 100.0), "Ties": Ties(("w", "w"), 4.0, 1e6, 1e3, 1e3)}
 PARTS = {"Brick": "brick", "Joint": "joint", "Lintel": "lintel"}
 IN_MPA = Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.15))
 
@@ -38,6 +41,12 @@ def with_value(name, value):
     """The wall with a value in a field, "Joint.cohesion", past the checks of what can be
     computed."""
     record, field = name.split(".")
+    if record in HOUSE:
+        one = replace(HOUSE[record])
+        vars(one)[field] = value
+        house = House("h", (Placed(Wall("w", 2.0, 1.0)),))
+        vars(house)["ties" if record == "Ties" else "floors"] = (one,)
+        return house
     lists = {"Opening": "openings", "Floor": "floors"}
     changed = (
         WALL
@@ -76,7 +85,7 @@ def test_each_field_is_held_to_its_range(name):
 def test_every_number_of_a_wall_but_places_has_a_range():
     numbers = {
         f"{kind.__name__}.{one.name}"
-        for kind in (Wall, Opening, Floor, Lintel, Brick, Joint)
+        for kind in (Wall, Opening, Floor, Lintel, Brick, Joint, Diaphragm, Ties)
         for one in fields(kind)
         if "float" in str(one.type) and "tuple" not in str(one.type)
     }
@@ -86,6 +95,7 @@ def test_every_number_of_a_wall_but_places_has_a_range():
         "Opening.sill",
         "Floor.left",
         "Floor.right",
+        "Diaphragm.anchor_spacing",
     }
 
 

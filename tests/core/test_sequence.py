@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import damage
 from damage.draw.run import sequence_picture
 from damage.draw.words import run_title
+from damage.history.reader import History
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
 from damage.measure.tables import summary_row, write_run_tables
@@ -193,6 +194,14 @@ class TestSchedule:
             "w_sequence-of-3_BGAR_HGE_x1"
         )
         assert "3 events of 3 records" in sequence_lines(asked)[0]
+
+
+def test_the_factor_on_the_strongest_motion_is_not_that_of_one_of_the_same_name():
+    weak, strong = (
+        SimpleNamespace(name="rec_x1", as_dict=lambda peak=peak: {"peak": peak}) for peak in (1, 3)
+    )
+    history = SimpleNamespace(sequence=[10, 1], event_loadings=[weak, strong], loading=strong)
+    assert History.strongest_factor.fget(history) == 1
 
 
 @pytest.fixture(scope="module")

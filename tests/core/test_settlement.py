@@ -17,9 +17,11 @@ from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
 from damage.history.reader import read_history
 from damage.law.modes import natural_modes
+from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
 from damage.measure.pushed import first_loading
+from damage.measure.summary import summarise
 from damage.motion.loading import AtRest, Harmonic
 from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
@@ -31,6 +33,7 @@ from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
+from damage.wall.floors import Floor
 from damage.wall.layout import Supports, lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
@@ -139,6 +142,20 @@ def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
         "levels of one date: the course is taken as level when it was built"
         in capsys.readouterr().err
     )
+
+
+def test_a_later_survey_that_reaches_further_finds_no_settlement_where_nothing_moved(tmp_path):
+    rows = [
+        f"{x},{0.01 * x},{day}"
+        for day, end in (("2003-06-01", 8), ("2021-06-01", 8.4))
+        for x in (0, end)
+    ]
+    path = written(
+        tmp_path / "levels.csv", "x_m,height_m,date\n" + "\n".join([*rows, "4,0.039,2021-06-01\n"])
+    )
+    settlement = parse_run(["--settle", str(path)], "", "reference").settlement
+    up = settlement.vertical([0, 4, 8.4], 8.4)
+    assert_allclose(up - up[0], [0, -1e-3, 0], atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -320,6 +337,43 @@ def test_the_ground_settles_before_time_zero_and_rests_then(run_of):
         "rest",
         "settling",
     ]
+
+
+def test_a_run_that_continues_after_a_settlement_has_not_fallen(tmp_path):
+    """The ground goes down by more than half a brick; damping of its settling is of that run."""
+    wall, ground = Wall("w", 4.05, 0.3, joint=STRONG), Settlement("tilt", 0.0125)
+    settled(tmp_path, wall, ground, ModelOptions(supports="bricks"))
+    settings = RunSettings(
+        loading=Harmonic(0.05, 0.01, 1),
+        model=ModelOptions(supports="bricks"),
+        continued=str(tmp_path / "settled.h5"),
+        rest_s=0.0,
+        accept_implausible=True,
+        out=tmp_path / "shaken.h5",
+        pictures=False,
+        quiet=True,
+    )
+    prepared = prepare(BACKEND, "", lambda: wall, settings)
+    take_turns([simulate(prepared, lambda run, time_s: True)])
+    summary = summarise(read_history(settings.out))
+    assert summary["status"] == "complete" and summary["collapsed_at_s"] is None
+    assert summary["damping_energy_j"] == 0
+
+
+def test_damage_of_the_settlement_has_the_asked_for_limits(run_of):
+    cracked, limits = run_of("settled"), {"threshold": 1e-3, "drift_limit": 0.5}
+    last = np.flatnonzero(cracked.series["stage"] == "settlement")[-1]
+    expected = cracked.index(**limits)["DI"].iloc[last]
+    assert summarise(cracked, **limits)["settled_DI"] == expected < summarise(cracked)["settled_DI"]
+
+
+def test_storeys_do_not_drift_where_the_ground_tilts(tmp_path):
+    wall = Wall("w", 1.35, 0.6, joint=STRONG, floors=[Floor(0.3, 500.0)])
+    history, _ = settled(
+        tmp_path, wall, Settlement("tilt", 1 / 200), ModelOptions(supports="bricks")
+    )
+    drifts = storey_drifts(history)[1]
+    assert drifts.shape[1] == 2 and np.abs(drifts).max() < 2e-4
 
 
 def test_cracks_of_the_settlement_stay_and_the_ground_s_work_is_in_the_balance(run_of):

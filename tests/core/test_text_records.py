@@ -182,6 +182,12 @@ class TestUnits:
         assert is_the_pulse(record, "g")
         assert (record.unit, record.given) == ("g (--unit)", {"unit": "g"})
 
+    @pytest.mark.parametrize("header", ["time_s,acc", "Time,Acc", "time (s),acceleration"])
+    def test_a_header_may_name_no_unit_where_it_is_given(self, tmp_path, header):
+        path = written(tmp_path, f"{header}\n" + rows(TIME_S, PULSE_G))
+        assert is_the_pulse(read_record(path, unit="g"), "g")
+        assert "is an unknown header" in one_line_error(read_record, path)
+
     def test_a_given_one_is_that_of_the_header(self, tmp_path):
         path = written(tmp_path, "time_s,acc_cm_s2\n" + rows(TIME_S, PULSE_GAL))
         assert is_the_pulse(read_record(path, unit="gal"), "gal")

@@ -222,3 +222,20 @@ def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
         stresses = np.array([force.max(), force.iloc[-20:].mean()]) / (2 * 0.21 * 0.1)
         slides = np.tan(wall.joint.friction_angle) * wall.precompression
         assert_allclose(stresses, [slides + wall.joint.cohesion, slides], rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    "wall", ["Wall('w', 0.45, 0.3)", "Wall('w', 0.9, 0.3, [Opening(0.35, 0.2, 0.2)])"]
+)
+def test_the_top_is_free_in_a_run_that_continues_after_a_push(tmp_path, yade_command, wall):
+    """And it can be pushed again; by one body, or by several."""
+    words = [*SHORT, wall_file(tmp_path / "w.py", wall), "--no-pictures", "--dt", 2e-5, "--rest", 0]
+    push = "--pushover", 0.01, "--speed", 2e-3, "--top-rotation", 1e5
+    first, shaken, again = (tmp_path / f"{name}.h5" for name in ("first", "shaken", "again"))
+    yade_command(*words, *push, "--checkpoint", 10, "--out", first, status=0)
+    for motion, out in ((("--harmonic", 0.05, 0.1, "--cycles", 1), shaken), (push, again)):
+        yade_command(*words, *motion, "--continue", first, "--out", out, status=0)
+    top = damage.read_history(shaken).series["top_displacement_m"]
+    assert np.ptp(top) > 1e-5
+    drift = damage.read_history(again).series["drift_ratio"]
+    assert drift.iloc[-1] - drift.iloc[0] == pytest.approx(1e-4, rel=0.1)

@@ -221,6 +221,10 @@ def _stretches(table, points):
         raise table.error(
             row, f"offset = no with mode = {mode}: expected a crack without slip; correct one"
         )
+    for row, slip in here["slip_m"][without_slip & (here["slip_m"] > 0)].items():
+        raise table.error(
+            row, f"offset = no with a slip of {slip / MILLIMETRE:g} mm: expected none; correct one"
+        )
     here = here.assign(mode=here["mode"].mask(without_slip, "tension"))
     parts = []
     for row, *known in here[["opening_m", "slip_m", "width_m", "mode"]].itertuples():

@@ -214,9 +214,9 @@ def largest_index(drift, opened, slipped, both, one):
 def largest(levels):
     """Each component's own maximum over levels of `describe_level`, (low, high), and psi's."""
     result = {
-        name: tuple(
-            max((level[name][k] for level in levels if level[name]), default=0.0) for k in (0, 1)
-        )
+        name: tuple(map(max, zip(*known)))
+        if (known := [one[name] for one in levels if one[name]])
+        else None
         for name in COMPONENTS
     }
     return result | {"psi": max(level["psi"] for level in levels)}

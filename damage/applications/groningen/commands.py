@@ -303,7 +303,7 @@ def _life(asked):
         "rest": asked.rest,
         "strength-cov": asked.strength_cov,
         "inputs": asked.inputs,
-        "settle": asked.settle,
+        "settle": _from_here(asked.settle),
         "distortion": asked.distortion,
     }
     with held(asked.out, Path(NAME).stem) as lock:
@@ -326,6 +326,11 @@ def _life(asked):
             ],
             lock,
         )
+
+
+def _from_here(settle):
+    """A settlement whose file, if it is one, is found from any folder."""
+    return str(Path(settle).resolve()) if settle and is_there(settle) else settle
 
 
 @command(
@@ -398,12 +403,12 @@ def _make_claim(asked):
         )
     if asked.distortion and not asked.settle:
         raise InputError("--distortion belongs to --settle; give both")
-    settle = asked.levels or asked.settle
-    if settle and is_there(settle):
-        settle = str(Path(settle).resolve())
     settlement = {
         name: value
-        for name, value in (("settle", settle), ("distortion", asked.distortion))
+        for name, value in (
+            ("settle", _from_here(asked.levels or asked.settle)),
+            ("distortion", asked.distortion),
+        )
         if value
     }
     return make_claim(

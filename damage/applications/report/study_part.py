@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 from damage.applications.report.packing import as_png
 from damage.applications.report.tables import COLUMNS as MEANING
 from damage.applications.report.tables import cell, digits_of
-from damage.applications.studies.fragility import fit_all, fragility_table, load_runs
+from damage.applications.studies.fragility import choices_of, fit_all, fragility_table, mixed
 from damage.applications.studies.fragility_picture import fragility_pictures
 from damage.applications.studies.plan import unfinished
 from damage.applications.studies.read import read_table
@@ -27,7 +27,6 @@ from damage.applications.studies.states import (
     STUDY_FILE,
     in_picture,
     label,
-    leading,
     there,
 )
 from damage.draw.run import wall_picture
@@ -200,7 +199,8 @@ def _motion(row):
         return record_label(row["record"]), "" if pd.isna(scale) else f" × {scale:g}"
     if not pd.isna(amplitude) and amplitude is not None:
         return f"harmonic, {row['motion_period_s']:g} s", f" of {amplitude:g} g"
-    return str(row.get("motion", "")).replace("_", " "), ""
+    motion = row.get("motion")
+    return motion.replace("_", " ") if isinstance(motion, str) else "several motions", ""
 
 
 def cracked_walls(folder, summary, points):
@@ -380,13 +380,13 @@ def _fragility(folder, summary):
     if not (summary.reindex(columns=["strength_cov"])["strength_cov"].astype(float) > 0).any():
         return None
     try:
-        runs = load_runs(folder)
-        intensity = leading(runs)
-        fits = fit_all(runs, intensity, REPLICATES)
+        runs, intensity, states = choices_of(folder)
+        fits = fit_all(runs, intensity, REPLICATES, states)
     except InputError as error:
         return {"why": str(error)}
     table = fragility_table(fits, intensity)
     return {
+        "notes": list(mixed(runs)),
         "heads": list(table),
         "rows": [[_cell(value) for value in row] for row in table.to_numpy(object)],
         "figures": list(starmap(_drawn, fragility_pictures(runs, fits, intensity))),

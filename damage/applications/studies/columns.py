@@ -32,7 +32,7 @@ POINTS = {
     },
     **{
         f"{name}_{end}": column._replace(meaning=f"{words} of the runs of `{name}`")
-        for table in MEASURES.values()
+        for table in (PARAMETERS, *MEASURES.values())
         for name, column in each(table).items()
         if column.unit
         for end, words in (("min", "least"), ("max", "largest"))

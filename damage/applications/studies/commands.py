@@ -110,12 +110,13 @@ def _fragility(asked):
         fit_all,
         fragility_table,
         in_words,
+        mixed,
     )
     from damage.applications.studies.fragility_picture import fragility_pictures
     from damage.applications.studies.plan import unfinished
 
     runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
-    warn(*filter(None, [unfinished(asked.study)]))
+    warn(*filter(None, [unfinished(asked.study)]), *mixed(runs))
     fits = fit_all(runs, intensity, asked.replicates, states)
     for write in WRITERS:
         write(asked, runs, fits, intensity)

@@ -362,6 +362,11 @@ def _load_entry(table, where, folder, root):
     solvers = [
         solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)
     ]
+    if not solvers:
+        raise InputError(
+            f"{where}: solvers = ['yade'] with samples or lives, which the reference solver runs;"
+            " take solvers out"
+        )
     try:
         given = {"yade": tuple(options.items()), "reference": (*options.items(), *drawing)}
         return [

@@ -45,6 +45,7 @@ from damage.applications.studies.states import (
     unit_of,
 )
 from damage.errors import InputError
+from damage.wall.model_options import USUAL_MODEL
 
 OVER = ("walls", "records", "both")
 """What bootstrap samples draw anew."""
@@ -53,6 +54,11 @@ FEW_RECORDS = 10
 doi:10.1002/eqe.141."""
 LEAST_INTENSITIES = 3
 """Through fewer a lognormal curve, of two parameters, passes whatever the wall does."""
+_ALIKE = (
+    *("solver", "settlement", "distortion", "shocks", "alpha_1_s", "beta_s"),
+    *USUAL_MODEL,
+)
+"""Columns that are equal in all runs of a curve."""
 SAME_INTENSITY = 0.01
 """Two that differ by a smaller share [-] count as one."""
 REPLICATES = 500
@@ -483,6 +489,14 @@ def choices_of(folder, intensity=None, states=()):
         intensity or chosen["intensity"] or leading(runs),
         tuple(map(parse_state, states or chosen["states"])) or STATES,
     )
+
+
+def mixed(runs):
+    """Sentences on walls whose runs differ by more than the motion and what is drawn."""
+    for wall, of in runs.groupby("wall", sort=False):
+        names = [name for name in _ALIKE if name in of and of[name].nunique(dropna=False) > 1]
+        if names:
+            yield f"wall {wall}: one curve through runs that differ in {', '.join(names)}"
 
 
 def fit_all(runs, intensity=None, replicates=REPLICATES, states=STATES):

@@ -73,8 +73,11 @@ def points_of(summary):
 
 
 def _point(runs):
-    first, fallen = runs.iloc[0], runs["collapsed_at_s"].astype(float).dropna()
-    row = {name: first[name] for name in each(PARAMETERS) if name in runs}
+    fallen = runs["collapsed_at_s"].astype(float).dropna()
+    row = {}
+    for name in each(PARAMETERS):
+        if name in runs:
+            row |= _of_all(name, runs[name])
     ended = runs["status"] == "complete"
     row |= {
         "members": len(runs),
@@ -86,16 +89,21 @@ def _point(runs):
     row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
     for name in runs.columns.difference([*row, *RUN], sort=False):
         values = runs[name].dropna()
-        if _is_number(values):
-            numbers = values.astype(float)
-            row |= {
-                name: numbers.median(),
-                f"{name}_min": numbers.min(),
-                f"{name}_max": numbers.max(),
-            }
-        else:
-            row[name] = values.mode().iloc[0]
+        row |= _spread(name, values) if _is_number(values) else {name: values.mode().iloc[0]}
     return row
+
+
+def _of_all(name, values):
+    """What a point has of a parameter: its value where all runs have the same, or else the spread
+    of numbers and no word, as of the motions of lives."""
+    if values.nunique(dropna=False) == 1 or name == "time_step_s":
+        return {name: values.iloc[0]}
+    return _spread(name, values.dropna()) if _is_number(values.dropna()) else {name: None}
+
+
+def _spread(name, values):
+    numbers = values.astype(float)
+    return {name: numbers.median(), f"{name}_min": numbers.min(), f"{name}_max": numbers.max()}
 
 
 def _is_number(values):

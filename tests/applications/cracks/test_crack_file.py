@@ -114,6 +114,11 @@ BAD = {
         "1,0,1,1,0,0.15,3,4,6,\n1,0,1,2,1,0.15,,,,\n",
         "width_mm = 6, but .* give 5",
     ),
+    "offset-and-slip": (
+        "crack,point,x_m,z_m,opening_mm,slip_mm,offset\n",
+        "1,1,0,0.15,0.3,0.5,no\n1,2,1,0.15,,,\n",
+        "line 2: offset = no with a slip of 0.5 mm: expected none",
+    ),
     "two-drifts": (
         HEADER,
         POINTS + "1,0.5,1,2,1,0.15,,,,\n",

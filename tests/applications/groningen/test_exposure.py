@@ -281,6 +281,7 @@ class TestCatalogue:
         found = read_catalogue(path)
         assert [str(one) for one in found.time] == ["2018-01-08 14:00:52.160000+00:00", time]
         assert list(found.place) == ["Zeerijp", "Wirdum"] and list(found.magnitude) == [3.4, 3.1]
+        assert len(set(found.id)) == 2, "the list has no identifiers, but these are two events"
         assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
         (note,) = found.notes
         assert note.endswith("left out as outside the Netherlands: line 4")

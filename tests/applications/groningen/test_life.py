@@ -521,6 +521,9 @@ class TestResults:
             {"run": "r", "shocks": events, "row": row | {"settled_psi": None}}, of, number
         )
         assert list(without["event"]) == [1, 2]
+        fewer = draws(exposure, above_mm_s=1e3)  # the largest alone
+        message = one_line_error(life_of, {"run": "r", "shocks": events, "row": row}, fewer, number)
+        assert "its events are not those of its address's file" in message
 
     def test_the_largest_alone_beside_all(self, lives):
         alone = Lives(

@@ -18,6 +18,7 @@ from damage.applications.studies.fragility import (
     fragility,
     in_words,
     load_runs,
+    mixed,
     solve,
 )
 from damage.applications.studies.fragility_picture import fragility_pictures
@@ -228,6 +229,10 @@ class TestUndetermined:
                 row.filter(regex="^(median|dispersion|mean|new_record|probability)").isna().all()
             ), table
         assert row["distribution"] == "none"
+
+    def test_runs_that_differ_by_more_than_motions_are_named(self):
+        runs = pd.DataFrame({"wall": ["a", "a", "b"], "top": ["piers", "uniform", "piers"]})
+        assert list(mixed(runs)) == ["wall a: one curve through runs that differ in top"]
 
     @pytest.mark.parametrize("intensities", [(0.2, 0.3), (0.2, 0.3, 0.301)])
     def test_two_intensities_give_no_curve_anywhere(self, intensities, tmp_path, output_of):

@@ -79,6 +79,10 @@ class TestLoading:
                 ),
             ),
             ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
+            (
+                f'name = "s"\n[[runs]]\n{WALL}samples = 2\nsolvers = ["yade"]\n{HARMONIC}',
+                "run 1: solvers = ['yade'] with samples or lives",
+            ),
             (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
             (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
             (

@@ -274,6 +274,7 @@ def _catalogue(path, table, times, leave_out=False):
         line=table.line,
         **{name: "" for name in ("id", "type", "agency") if name not in found},
     )
+    found["id"] = found["id"].mask(found["id"].str.strip() == "", times)
     away = found["line"][outside]
     found, notes = found[~outside].sort_values("time", kind="stable", ignore_index=True), []
     if Path(path) != SHIPPED:

@@ -163,9 +163,10 @@ def life_of(record, draws, number):
     """
     events = pd.DataFrame(record["shocks"])
     table = draws.life(number).iloc[: len(events)].drop(columns=["start_s", "end_s"])
-    if not np.allclose(table["scale"], events["factor"], rtol=1e-12):
+    if len(table) != len(events) or not np.allclose(table["scale"], events["factor"], rtol=1e-12):
         raise InputError(
-            f"{record['run']}: its events are not those of its address's file; run the study again"
+            f"{record['run']}: its events are not those of its address's file; expected these, run"
+            " the study again"
         )
     for name, source in _SOURCES.items():
         table[name] = (
