@@ -68,11 +68,11 @@ def test_every_file_of_a_run_has_its_table(history, tmp_path):
 def test_tables_of_a_study(history):
     runs = pd.DataFrame([summary_row(history)])
     assert set(runs) | {"members"} == known("summary.csv")
-    # A number for each that is missing: then all have their NAME_min.
-    full = runs.assign(
-        **{name: runs[name].astype(float).fillna(1.0) for name in runs if name in _numbers()}
-    )
-    assert set(points_of(full)) == known("points.csv")
+    # Numbers for each that is missing, and two that differ: then all have their NAME_min.
+    numbers = [name for name in runs if name in _numbers()]
+    full = runs.assign(**{name: runs[name].astype(float).fillna(1.0) for name in numbers})
+    both = pd.concat([full, full.assign(**{name: full[name] + 1 for name in numbers})])
+    assert set(points_of(both)) == known("points.csv")
 
 
 def _numbers():

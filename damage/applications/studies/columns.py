@@ -3,7 +3,7 @@
 from damage.applications.studies.fragility import OVER
 from damage.applications.studies.states import INTENSITIES, LEVELS, unit_of
 from damage.history.schema import Column, each
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN
+from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS, RUN
 from damage.measure.damage_index import SLIP
 from damage.measure.summary import MEASURES
 
@@ -34,7 +34,7 @@ POINTS = {
         f"{name}_{end}": column._replace(meaning=f"{words} of the runs of `{name}`")
         for table in (PARAMETERS, *MEASURES.values())
         for name, column in each(table).items()
-        if column.unit
+        if column.unit and name != OF_THE_FIRST
         for end, words in (("min", "least"), ("max", "largest"))
     },
 }

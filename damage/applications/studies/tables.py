@@ -14,7 +14,7 @@ from damage.applications.studies.records import TABLES, is_of_today, read_record
 from damage.applications.studies.spread import repeated
 from damage.errors import InputError, some_of
 from damage.history.schema import each
-from damage.measure.columns import MADE_BY, PARAMETERS, RUN
+from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS, RUN
 from damage.measure.tables import write_table
 
 
@@ -96,7 +96,7 @@ def _point(runs):
 def _of_all(name, values):
     """What a point has of a parameter: its value where all runs have the same, or else the spread
     of numbers and no word, as of the motions of lives."""
-    if values.nunique(dropna=False) == 1 or name == "time_step_s":
+    if values.nunique(dropna=False) == 1 or name == OF_THE_FIRST:
         return {name: values.iloc[0]}
     return _spread(name, values.dropna()) if _is_number(values.dropna()) else {name: None}
 
