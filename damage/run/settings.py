@@ -8,7 +8,7 @@ from pathlib import Path
 from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
-from damage.motion.intensity import pgv_m_s
+from damage.motion.intensity import pga_g, pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
 from damage.motion.record import MOST_SCALE
@@ -260,6 +260,11 @@ class RunSettings:
             )
 
     def _check_motion(self):
+        if self.loading.drive.quasi_static and (self.alpha_1_s or self.beta_s):
+            raise InputError(
+                "--beta or --rayleigh with a pushed top: expected neither, as a push is damped"
+                " locally or adaptively; leave it out"
+            )
         if self.duration_s > LONGEST_S:
             raise InputError(
                 f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million"
@@ -295,13 +300,17 @@ class RunSettings:
         if self.accept_implausible:
             return
         check_plausible(wall)
-        pgv = max(
-            (pgv_m_s(event.loading.applied()) * abs(event.factor) for event in self.recorded),
-            default=0.0,
-        )
+        motions = [
+            (motion, abs(event.factor))
+            for event in self.recorded
+            for motion in (event.loading.applied(), event.loading.applied_across())
+            if motion is not None
+        ]
+        pgv = max((pgv_m_s(motion) * factor for motion, factor in motions), default=0.0)
+        peak = max([self.peak_g, *(pga_g(motion) * factor for motion, factor in motions)])
         found = [
             *implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
-            implausible_peak(self.peak_g) or implausible_velocity(pgv),
+            implausible_peak(peak) or implausible_velocity(pgv),
             self.joints_without_bond and self.joints_without_bond.implausible(wall),
         ]
         if found := list(filter(None, found)):

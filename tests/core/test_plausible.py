@@ -205,3 +205,22 @@ def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
     assert (
         "warning: --scale = 250, expected 0.01 to 100: 250 % is 250e-2\n" in capsys.readouterr().err
     )
+
+
+def test_the_component_across_is_held_to_the_same_ranges():
+    """It shakes a house: a unit that is wrong in it alone was not noticed."""
+    east, north = (str(shipped_record_path(f"BGAR_{end}")) for end in ("HGE", "HGN"))
+    asked = parse_run(
+        ["--record", east, "--across", north, "--window", "17", "27"], "", "reference"
+    )
+    asked.check_plausible(WALL)
+    across = asked.loading.across
+    hundredfold = replace(across, acceleration_m_s2=500 * across.acceleration_m_s2)
+    wrong = replace(asked, loading=replace(asked.loading, across=hundredfold))
+    assert "PGA of the base motion" in one_line_error(wrong.check_plausible, WALL)
+
+
+def test_viscous_damping_of_a_push_is_refused():
+    """It was not applied, and shortened the steps."""
+    words = ["--pushover", "0.1", "--rayleigh", "0.02", "5", "20"]
+    assert "--rayleigh with a pushed top" in one_line_error(parse_run, words, "", "reference")
