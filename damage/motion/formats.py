@@ -14,7 +14,7 @@ import numpy as np
 
 from damage.checks import check_choice, check_file, check_path
 from damage.csv_table import as_float, is_number
-from damage.errors import InputError, did_you_mean
+from damage.errors import InputError, did_you_mean, warn
 from damage.files import DATA, is_there, text_lines, write_text
 from damage.motion.columns import UNITS_M_S2, bad_line, check_step, numbers, read_columns
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
@@ -145,6 +145,11 @@ def _read_csv(path, lines, unit, sample_step_s):
     """Columns as `damage.motion.columns` reads them: time and acceleration, or acceleration
     alone."""
     step_s, first_s, acceleration_m_s2, unit = read_columns(path, lines, unit, sample_step_s)
+    if abs(first_s) > step_s / 2:
+        warn(
+            f"{path}: times begin at {first_s:g} s, which is 0 s of the record: windows count from"
+            " there"
+        )
     found = filter(None, map(_CSV_START_UTC.match, lines))
     start_utc = next((_utc(start.group(1), first_s, path) for start in found), "")
     return Record(_csv_name(path), step_s, acceleration_m_s2, start_utc, str(path), unit=unit)

@@ -285,9 +285,10 @@ class TestUnits:
 
 
 class TestTimeAxis:
-    def test_times_from_another_zero_restart_and_move_the_start(self, tmp_path):
+    def test_times_from_another_zero_restart_and_move_the_start(self, tmp_path, capsys):
         text = "# start 2018-01-08T14:00:37.09Z\ntime_s,acc_g\n17.00,0.1\n17.01,0.2\n17.02,0.3\n"
         record = read_record(written(tmp_path, text))
+        assert "times begin at 17 s, which is 0 s of the record" in capsys.readouterr().err
         assert (record.time_s[0], record.start_utc) == (0.0, "2018-01-08T14:00:54.090000Z")
 
     def test_rounded_times_are_uniform_enough_and_a_decimal_step_stays_the_same_number(
