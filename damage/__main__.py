@@ -14,6 +14,7 @@ if __name__ == "__main__":
 
 import logging
 from contextlib import nullcontext, redirect_stdout
+from pathlib import Path
 
 import damage.applications  # noqa: F401, each adds what it has
 import damage.commands  # noqa: F401, fills the table
@@ -22,7 +23,7 @@ from damage.arguments import OneLineParser
 from damage.commands.table import COMMANDS, PROGRAMS, Silence, examples_of
 from damage.errors import InputError, did_you_mean
 from damage.memory import hold_buffers
-from damage.provenance import commit
+from damage.provenance import commit, shown_path
 from damage.run.options import make_parser
 from damage.version import VERSION
 
@@ -62,8 +63,30 @@ def _run(arguments, quiet):
             f"no command {arguments[0]!r}: expected one of {', '.join(known)}"
             f"{did_you_mean(arguments[0], known)}"
         )
-    asked = command_parser().parse_args(arguments)
+    parser = command_parser()
+    asked = parser.parse_args(arguments)
+    _keep_sources(parser._subparsers._group_actions[0].choices[arguments[0]], asked)
     return asked.command(asked) or 0
+
+
+def _keep_sources(parser, asked):
+    """Raise InputError where a command would write over a file that it reads."""
+    written = {
+        one.dest
+        for group in parser._action_groups
+        if group.title == "output"
+        for one in group._group_actions
+    }
+    paths = {True: set(), False: set()}
+    for name, value in vars(asked).items():
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, Path) and one.is_file():
+                paths[name in written].add(one.resolve())
+    for path in paths[True] & paths[False]:
+        raise InputError(
+            f"{shown_path(path)} would be written over, of which it is made; expected another file;"
+            " choose another name"
+        )
 
 
 class _Parser(OneLineParser):

@@ -518,12 +518,14 @@ def hysteresis_picture(history):
         ("motion", style.BLUE, 0.9, 3),
         ("rest", style.ORANGE, 0.6, 2),
     ):
-        chosen = np.flatnonzero(stage == name)
-        if len(chosen):
-            first = max(chosen[0] - 1, 0)  # joined to the stage before
+        chosen = stage == name
+        if chosen.any():
+            chosen = chosen | np.append(chosen[1:], False)  # joined to the stage before
+            places = np.flatnonzero(chosen)
+            span = slice(places[0], places[-1] + 1)
             ax.plot(
-                drift[first : chosen[-1] + 1],
-                shear_kn[first : chosen[-1] + 1],
+                np.where(chosen, drift, np.nan)[span],
+                shear_kn[span],
                 color=colour,
                 lw=width,
                 zorder=layer,

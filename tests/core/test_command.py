@@ -9,7 +9,7 @@ from contextlib import suppress
 from types import SimpleNamespace
 
 import pytest
-from conftest import run_command, wall_file, written
+from conftest import REPOSITORY, run_command, wall_file, written
 
 from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
@@ -25,6 +25,22 @@ SMALL = "Wall('w', 0.45, 0.15)"
 
 def test_the_version_has_the_package_s_name(output_of):
     assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
+
+
+def test_no_command_writes_over_what_it_reads(tmp_path, error_of, still_history):
+    history = tmp_path / "run.h5"
+    history.write_bytes(still_history.path.read_bytes())
+    wall = wall_file(tmp_path / "w.py", SMALL)
+    for words in (
+        ("export", history, "--vtkhdf", history),
+        ("export", wall, "--opensees", wall),
+        ("tables", "summary", history, "--out", history),
+    ):
+        before = words[-1].read_bytes()
+        assert "expected another file" in error_of(*words)
+        assert words[-1].read_bytes() == before
+    symmetric = REPOSITORY / "walls/symmetric.py"
+    assert "the wall itself" in error_of("export", "symmetric", "--opensees", symmetric)
 
 
 def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):

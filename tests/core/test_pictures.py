@@ -287,6 +287,11 @@ class TestOtherPictures:
         assert_allclose(motion.get_ydata(), LAYOUT.drift_height * PULSE[:10])  # 1 MN/m times 1e-3
         # joined to the motion, without settling
         assert_allclose(rest.get_xdata(), 0.1 * PULSE[9:16])
+        # nor settling between two events
+        stage = np.repeat(["motion", "settling", "motion", "rest"], [4, 4, 4, 9])
+        twice = replace(cracked, series=cracked.series.assign(stage=stage))
+        motion = line(hysteresis_picture(twice).axes[0], "motion")
+        assert np.isnan(motion.get_xdata()[4:7]).all() and np.isnan(motion.get_xdata()).sum() == 3
 
     def test_energies_are_supplied_stored_dissipated_and_damped(self, history):
         parts = {

@@ -11,6 +11,7 @@ from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.run.options import ACCEPTING, model_arguments, model_of
 from damage.start import missing_library
+from damage.wall.file import wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
@@ -112,7 +113,10 @@ def _animate(asked):
             "--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy"
         ),
     ),
-    examples=("run.h5 --vtkhdf run.vtkhdf", "symmetric --contacts corners --opensees symmetric.py"),
+    examples=(
+        "run.h5 --vtkhdf run.vtkhdf",
+        "symmetric --contacts corners --opensees model.py",
+    ),
 )
 def _export(asked):
     if not asked.vtkhdf and not asked.opensees:
@@ -142,6 +146,8 @@ def _export_wall(asked):
             f"export of {asked.source} for OpenSees: expected a wall file, or the name of a wall"
             " that ships; give the wall that was run"
         )
+    if wall_path(asked.source).resolve() == asked.opensees.resolve():
+        raise InputError(f"--opensees {asked.opensees} is the wall itself; expected another file")
     layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
     return write_opensees(layout, asked.opensees)
 

@@ -241,7 +241,8 @@ def drawn(history, index):
             "settling": spans_of(time_s[kept], settling),
             "settlement": spans_of(time_s[kept], settlement),
             "collapsed_at_s": history.collapsed_at_s,
-            "at_max": float(time_s[int(np.argmax(index["DI"]))]),
+            # as precise as the times that it is compared with
+            "at_max": float(np.float32(time_s[int(np.argmax(index["DI"]))])),
             "n_instants": len(chosen),
         }
     )

@@ -272,7 +272,13 @@ def test_a_photograph_whose_openings_are_elsewhere_is_refused(client):
     }
     window = np.array([[230, 290], [470, 130]])
     assert "no opening of the photograph" in refused(client, "straighten", **given, openings=[])
+    mirrored = given | {"pixels": pixels[[1, 0, 3, 2]].tolist()}
+    assert "a mirrored photograph" in refused(client, "straighten", **mirrored, openings=[])
     assert done(client, "straighten", **given, openings=[window.tolist()])["file"]
+    assert done(client, "front", text="\ufeff" + FRONT)["straight"]
+    table = done(client, "front", text=FRONT)["table"] | {"length": 1.575}
+    assert not done(client, "sketch", table=table)["straight"], "it is of another front"
+    done(client, "front", text=FRONT)
     for off in ((45, 0), (0, -45)):
         said = refused(client, "straighten", **given, openings=[(window + off).tolist()])
         assert "lies more than a course from each of the front" in said
@@ -371,6 +377,7 @@ def drawn(*cracks):
         ("survey", drawn(CRACK | {"width_mm": "1; rm"}), "width of crack"),
         ("survey", drawn(CRACK | {"offset": "=1+1"}), "offset of crack 1"),
         ("survey", drawn(1), "crack 1: expected"),
+        ("survey", drawn(CRACK, CRACK | {"label": "#1"}), "is there twice"),
         ("survey", drawn(CRACK | {"points": [[10**400, 0.1], [0.3, 0.3]]}), "crack 1"),
         ("address", {"latitude": 53, "longitude": -(10**400)}, "longitude"),
         ("survey", drawn(CRACK | {"points": [[5, 5], [9, 9]]}), "0 %"),

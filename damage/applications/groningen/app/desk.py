@@ -19,7 +19,7 @@ import pandas as pd
 
 from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_cracks
 from damage.applications.cracks.survey import read_survey
-from damage.applications.groningen.app.photo import cleaned, homography, rectified
+from damage.applications.groningen.app.photo import cleaned, homography, rectified, turns
 from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
 from damage.applications.groningen.claim.size import size_of
@@ -31,7 +31,7 @@ from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, end_with_parent, environment, open_log
 from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, heard
-from damage.files import write_text
+from damage.files import whole_or_nothing, write_text
 from damage.measure.cracks import ENDS
 from damage.motion.settlement import PROFILES, read_profile
 from damage.wall.file import read_wall, shipped_walls
@@ -126,10 +126,23 @@ class Desk:
             raise InputError(
                 f"the front: expected up to {MOST_TEXT} characters of TOML; shorten it"
             )
+        text = text.removeprefix("\ufeff")
         if kept:
-            return _drawn(self._keep(HOUSE, "the front", text, _laid_out), text)
+            before = self._view()
+            found = _drawn(self._keep(HOUSE, "the front", text, _laid_out), text)
+            if self._view() != before:  # the photograph was straightened to another front
+                self.path(STRAIGHT).unlink(missing_ok=True)
+            return found | {"straight": self.path(STRAIGHT).exists()}
         with TemporaryDirectory() as folder:
             return _drawn(_laid_out(write_text(Path(folder) / HOUSE, text)), text)
+
+    def _view(self):
+        """Outline and openings of the front that is kept; None before that."""
+        try:
+            layout = self.layout()
+        except InputError:
+            return None
+        return _edges(layout.wall).tolist(), _openings(layout.plan).tolist()
 
     def sketch(self, table):
         """The front of a table that was edited as a drawing, as of `front`."""
@@ -187,7 +200,7 @@ class Desk:
 
     def photograph(self, data):
         """Keep a photograph (bytes) without its metadata."""
-        self.path(PHOTO).write_bytes(cleaned(data))
+        _write(self.path(PHOTO), cleaned(data))
         self.path(STRAIGHT).unlink(missing_ok=True)
         return {"file": PHOTO}
 
@@ -206,14 +219,17 @@ class Desk:
                 f" {', '.join(f'({x:g}, {z:g})' for x, z in edges)}; the front may differ from the"
                 " photograph"
             )
+        if turns(pixels)[0] * turns(places)[0] > 0:  # y is down, z is up
+            raise InputError(
+                "the four points make a mirrored photograph; expected them in the order of their"
+                " places, from the lower left corner; mark them again"
+            )
         to_wall = homography(pixels, places)
         _compare_openings(
             layout.plan, [_points("an opening", one, 2, 2) for one in openings], to_wall
         )
         jpeg = self._given(PHOTO, "the photograph").read_bytes()
-        self.path(STRAIGHT).write_bytes(
-            rectified(jpeg, pixels, places, wall.length, wall.built_height)
-        )
+        _write(self.path(STRAIGHT), rectified(jpeg, pixels, places, wall.length, wall.built_height))
         return {"file": STRAIGHT}
 
     # --- survey, levels ---------------------------------------------------------------------------
@@ -390,6 +406,11 @@ class Desk:
         }
 
 
+def _write(path, data):
+    with whole_or_nothing(path) as unfinished:
+        unfinished.write_bytes(data)
+
+
 def _laid_out(path):
     return lay_out(read_wall(path), ModelOptions(supports="bricks"))
 
@@ -535,7 +556,9 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
             {"crack": f"area{number}", "point": k, "x_m": x, "z_m": z, "mode": "none"}
             for k, (x, z) in enumerate(corners, start=1)
         ]
-    table = pd.DataFrame(rows, columns=[*REQUIRED, "width_mm", "mode", *OF_SURVEY])
+    # a line that begins with a label like #1 would be a comment
+    first = sorted(REQUIRED, key="crack".__eq__)
+    table = pd.DataFrame(rows, columns=[*first, "width_mm", "mode", *OF_SURVEY])
     table = table.round({"x_m": 4, "z_m": 4}).assign(**accuracy)
     return table.to_csv(index=False, lineterminator="\n")
 

@@ -52,11 +52,11 @@ def homography(here, there):
     """The (3, 3) matrix that maps four points here (4, 2) onto four points there (4, 2) of two
     planes.
 
-    Raises InputError where three of either lie on a line, or their order turns round.
+    Raises InputError where three of either lie on a line, or they make no convex quadrilateral.
     """
     for points in (here, there):
-        turns = _turns(points)
-        if not (np.all(turns > 0) or np.all(turns < 0)):
+        signed = turns(points)
+        if not (np.all(signed > 0) or np.all(signed < 0)):
             raise InputError(
                 "four points that make no convex quadrilateral; expected its corners one after the"
                 " other; mark them again"
@@ -67,7 +67,7 @@ def homography(here, there):
     return np.append(np.linalg.solve(np.array(rows, float), np.ravel(there)), 1.0).reshape(3, 3)
 
 
-def _turns(points):
+def turns(points):
     """Twice the signed area at each corner of a quadrilateral (4, 2)."""
     points = np.asarray(points, float)
     one, two = (
@@ -88,7 +88,7 @@ def rectified(jpeg, pixels, places, length, height):
 
     picture = Image.open(io.BytesIO(jpeg))
     pixels = np.asarray(pixels, float)
-    if np.abs(_turns(pixels)).min() < _LEAST_SHARE * picture.width * picture.height:
+    if np.abs(turns(pixels)).min() < _LEAST_SHARE * picture.width * picture.height:
         raise InputError(
             "the four points lie too near each other; expected corners as far apart as can be; mark"
             " them again"

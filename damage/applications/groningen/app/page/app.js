@@ -43,7 +43,7 @@ class Board {
   // set(at): takes a point, shares of the canvas from above left; draw(pen, width, height): paints what it shows;
   // grip(at, near): what a point takes hold of, a function that moves it, or null; dropped(): called when it is let go
   constructor(canvas, set, draw, grip = () => null, dropped = () => {}) {
-    Object.assign(this, { canvas, set, draw, image: null, alpha: 1, cross: [0.5, 0.5], shown: false });
+    Object.assign(this, { canvas, set, draw, grip, dropped, image: null, alpha: 1, cross: [0.5, 0.5], shown: false });
     let held = null;
     const place = (event) => {
       const box = canvas.getBoundingClientRect();
@@ -62,7 +62,7 @@ class Board {
       held(place(event));
       this.paint();
     });
-    canvas.addEventListener("pointerup", () => {
+    for (const ends of ["pointerup", "pointercancel"]) canvas.addEventListener(ends, () => {
       if (held) dropped();
       held = null;
     });
@@ -81,6 +81,12 @@ class Board {
       this.cross = [this.cross[0] + across * step, this.cross[1] + down * step * ratio].map((at) =>
         Math.min(1, Math.max(0, at)));
       this.shown = true;
+      if (this.keyed) this.keyed(this.cross);
+    } else if (event.key === "Enter" && this.keyed) {
+      this.keyed = null;
+      this.dropped();
+    } else if (event.key === "Enter" && !this.step && (this.keyed = this.grip(this.cross, 0.02))) {
+      this.keyed(this.cross);
     } else if (event.key === "Enter") {
       this.set(this.cross);
     } else if (event.key in this.keys) {
@@ -161,17 +167,25 @@ async function showPhoto() {
 by("photo-file").addEventListener("change", async (event) => {
   const [file] = event.target.files;
   if (!file || !(await ask("photograph", file, "said-photo"))) return;
+  unstraight();
   say("said-photo", words.photo_kept);
   await showPhoto();
 });
 
 by("straighten").addEventListener("click", async () => {
-  const places = [1, 2, 3, 4].map((k) => by(`point-${k}`).value.split(/[;\s]+|,\s+|,(?=[^,]*$)/).filter(Boolean).map(number));
+  const places = [1, 2, 3, 4].map((k) => by(`point-${k}`).value.trim()).map((text) =>
+    text.split(/[;\s]/.test(text) ? /[;\s]+/ : ",").map((part) => number(part.replace(/,$/, ""))));
   if (await ask("straighten", { pixels: pixels.slice(0, 4), places, openings: pairs(pixels) }, "said-photo")) {
     say("said-photo", words.straightened);
     await showStraight();
   }
 });
+
+function unstraight() {
+  board.image = null;
+  by("for-overlay").hidden = true;
+  board.paint();
+}
 
 async function showStraight() {
   board.image = await picture("straight.jpg");
@@ -308,7 +322,7 @@ for (const name of PART) {
 for (const name of ["length", "eaves", "ridge", "load"]) {
   by(`wall-${name}`).addEventListener("change", () => {
     const value = field(`wall-${name}`);
-    if (name === "load") table.precompression = 1e3 * (value || 0);
+    if (name === "load" && value !== null && Number.isFinite(value)) table.precompression = 1e3 * value;
     if (name === "length" && value > 0) table.length = value;
     if (name === "eaves" && value > 0) isGable() ? [0, 2].forEach((k) => { table.outline[k][1] = value; }) : (table.height = value);
     if (name === "ridge") {
@@ -437,7 +451,11 @@ function drawFront(pen, width) {
   if (open.length) line(pen, open.map(at), "#0072b2", 4);
   open.forEach((point) => dot(pen, at(point), "#0072b2"));
 }
-by("tool").addEventListener("change", () => board.paint());
+by("tool").addEventListener("change", () => {
+  by("front").classList.toggle("moving", by("tool").value === "move");
+  board.keyed = null;
+  board.paint();
+});
 
 const fits = { width: (value) => value >= 0.001 && value <= 1000, limit: (value) => value >= 0.001 && value <= 100,
   error: (value) => value !== null && value >= 0 && value <= 100 };
@@ -534,16 +552,18 @@ by("put-on-joints").addEventListener("click", async () => {
 
 function showFront(found) {
   const place = chosen && [..."openings floors".split(" ").map((name) => [name, (table[name] || []).indexOf(chosen)])].find(([, k]) => k >= 0);
+  const typed = front ? String(front.corners) === String(found.corners) : by("point-1").value !== "";
   [front, table, unsent] = [found, found.table, false];
   chosen = place ? (table[place[0]] || [])[place[1]] || null : null;
   by("front-text").value = found.text;
   say("said-front", fill("front_is", { name: found.name, length: shown(found.length, 4), height: shown(found.height, 4),
     points: found.contact_points }));
-  found.corners.forEach(([x, z], k) => { by(`point-${k + 1}`).value = `${+x.toFixed(4)} ${+z.toFixed(4)}`; });
+  if (!typed) found.corners.forEach(([x, z], k) => { by(`point-${k + 1}`).value = `${+x.toFixed(4)} ${+z.toFixed(4)}`; });
   sketch.size(scene().wide, scene().high);
   filled();
   sketch.paint();
   board.size(wide(), high());
+  if (!found.straight) unstraight();
   board.paint();
   keep();
   showSize();
@@ -552,8 +572,6 @@ function showFront(found) {
 async function useText(kept = true) {
   const found = await ask("front", { text: by("front-text").value, kept }, "said-front");
   if (!found) return;
-  board.image = null;
-  by("for-overlay").hidden = true;
   showFront(found);
   changed();
 }
@@ -633,6 +651,7 @@ async function compute(name, given) {
 by("start").addEventListener("click", () => {
   finish();
   if (unsent) return say("said-compute", words.front_unsent, true);
+  if (Number.isNaN(field("draws"))) return say("said-compute", words.bad_draws, true);
   const settle = by("settle").value || null;
   compute("start", { latitude: field("latitude"), longitude: field("longitude"), settle,
     distortion: settle && settle !== "levels" ? 1 / field("distortion") : null, draws: field("draws"),
@@ -647,7 +666,7 @@ function keep() {
   if (!draft) return;
   const fields = {};
   for (const one of document.querySelectorAll("input:not([type=file]), select, textarea")) fields[one.id] = one.value;
-  localStorage.setItem(draft, JSON.stringify({ cracks, areas, open, fields, table: unsent ? table : null }));
+  localStorage.setItem(draft, JSON.stringify({ cracks, areas, open, pixels, fields, table: unsent ? table : null }));
 }
 document.addEventListener("input", keep);
 window.addEventListener("pagehide", keep);
@@ -679,6 +698,8 @@ async function begin() {
   changed();
   by("settle").dispatchEvent(new Event("change"));
   if (state.photo) await showPhoto();
+  if (kept && kept.pixels) pixels = kept.pixels;
+  photo.paint();
   if (state.straight) await showStraight();
   showProgress(state);
   document.body.dataset.ready = "yes";
