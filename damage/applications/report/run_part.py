@@ -267,8 +267,8 @@ def _moving_wall(history, chosen):
     """Arrays of the wall at the chosen samples, and what goes with them.
 
     Of contact points only those that are not intact in all of them, and the elastic ones;
-    displacements are those of the nearest snapshot, none where none is near, in steps of a 32767th
-    of the largest.
+    displacements, of the bodies and then of the supports, are those of the nearest snapshot, none
+    where none is near, in steps of a 32767th of the largest.
     """
     states = np.array([joint_states(history, sample) for sample in chosen])
     ever = np.flatnonzero((states != JOINT_STATES.index("intact")).any(axis=0))
@@ -282,7 +282,8 @@ def _moving_wall(history, chosen):
     motion = np.nan_to_num(
         [still if snapshot is None else history.displacement[snapshot] for snapshot in near]
     )
-    places, step = quantised(motion)
+    supports = [support_motion(history, snapshot) for snapshot in near]
+    places, step = quantised(np.concatenate([motion, [one.motion for one in supports]], axis=1))
     joints, bodies, ends = history.joints.iloc[ever], history.bodies, tributary_ends(history.joints)
     elastic = np.setdiff1d(
         np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever
@@ -300,6 +301,7 @@ def _moving_wall(history, chosen):
         "second": joints["second_body"].astype("i4"),
         "head": joints["kind"].isin(("head", "brick")).astype("u1"),
         "place": places.ravel(),
+        "support_x": ((supports[0].left + supports[0].right) / 2).astype("f4"),
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
         "state": states[:, ever].astype("u1").ravel(),
         "width_um": (

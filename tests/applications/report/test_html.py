@@ -216,6 +216,7 @@ class TestOneRun:
         at = list(arrays["instant"]).index(10)  # 0.1 s
         assert places[at, 0] == pytest.approx([0.01, -0.002, 0.003], rel=1e-4)
         assert not places[at, 1:].any()
+        assert places.shape[1] == len(one.bodies) + len(arrays["support_x"]) == len(one.bodies) + 1
 
     def test_where_anything_is_largest_is_among_the_instants(self, one, page_of_one):
         instants = set(unpack_arrays(page_of_one.data["runs"][0])["instant"])

@@ -56,10 +56,10 @@ function filter(part) {
 
 // --- the wall ---------------------------------------------------------------------------------------
 
-// Where bodies are at instant k, motion magnified: shift, cosine and sine of each; the ground is one more, at rest.
+// Where bodies, and behind them the supports, are at instant k, motion magnified: shift, cosine and sine of each.
 function places(run, k, magnify) {
-  const n = run.x.length, found = {x: new Float64Array(n + 1), z: new Float64Array(n + 1),
-    cos: new Float64Array(n + 1).fill(1), sin: new Float64Array(n + 1)};
+  const n = run.x.length + run.support_x.length, found = {x: new Float64Array(n), z: new Float64Array(n),
+    cos: new Float64Array(n), sin: new Float64Array(n)};
   for (let body = 0, at = 3 * n * k; body < n; body++, at += 3) {
     const turn = magnify * run.step[2] * run.place[at + 2];
     found.x[body] = magnify * run.step[0] * run.place[at];
@@ -71,7 +71,8 @@ function places(run, k, magnify) {
 }
 
 function moved(run, at, body, x, z) {
-  const b = body < 0 ? run.x.length : body, cx = body < 0 ? 0 : run.x[b], cz = body < 0 ? 0 : run.z[b];
+  const support = -1 - body, b = body < 0 ? run.x.length + support : body;
+  const cx = body < 0 ? run.support_x[support] : run.x[b], cz = body < 0 ? 0 : run.z[b];
   return [cx + at.x[b] + at.cos[b] * (x - cx) - at.sin[b] * (z - cz),
     cz + at.z[b] + at.sin[b] * (x - cx) + at.cos[b] * (z - cz)];
 }
