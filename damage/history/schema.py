@@ -107,8 +107,8 @@ SUPPORTS = {
 SERIES = {
     "stage": Column(
         "code",
-        "motion, rest, settling (local damping 0.7), settlement of the ground before the first "
-        "motion (the same damping)",
+        "motion, rest, settling (local damping 0.7, or adaptive with mass scaling), settlement of"
+        " the ground before the first motion (the same damping)",
         "u1",
     ),
     "time_s": Column(

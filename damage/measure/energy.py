@@ -136,7 +136,9 @@ class Balance:
         ),
         "dissipated_energy_j": Column("J", "their sum"),
         "damping_energy_j": Column(
-            "J", "taken by viscous damping, settling stages left out; zero without `--beta`"
+            "J",
+            "taken by damping, settling stages left out: viscous of joints, soil and impacts, of"
+            " strain modes, and that of a push",
         ),
         "energy_error_fraction": Column(
             "1", "largest imbalance over the largest input, settling stages left out"

@@ -85,14 +85,12 @@ energy to 0.5 %."""
 
 class Touch(NamedTuple):
     """Of all loose contacts: radius of the corners [m], normal and tangential stiffness of a corner
-    [N/m], friction between bricks and on supports [-], share of critical damping of a corner that
-    touches [-]."""
+    [N/m], friction [-], share of critical damping of a corner that touches [-]."""
 
     radius: float
     kn: float
     ks: float
     friction: float
-    support_friction: float
     damping: float
 
 
@@ -144,7 +142,7 @@ def build_loose(layout, system, time_step):
     friction = Material(*map(float, system.material)).friction
     radius = CORNER_RADIUS * layout.wall.brick.length
     kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
-    touch = Touch(radius, kn, 0.4 * kn, friction, friction, IMPACT_DAMPING)
+    touch = Touch(radius, kn, 0.4 * kn, friction, IMPACT_DAMPING)
     edges = np.concatenate(
         [
             [supports.left[0] - GROUND_M],
@@ -297,8 +295,7 @@ def push_touching(n, tables, loose, row, k, near, depth, dt):
     free_p, free_c = inverse_mass_of(n, inertia, p, Z), inverse_mass_of(n, inertia, c, Z)
     viscous = dashpot_force(touch, free_p + free_c, depth, closing, dt)
     normal = touch.kn * depth + viscous
-    friction = touch.support_friction if free_p == 0.0 or free_c == 0.0 else touch.friction
-    limit, old = friction * normal / touch.ks, springs[row, k, SLIDE]
+    limit, old = touch.friction * normal / touch.ks, springs[row, k, SLIDE]
     new = min(max(old + sliding, -limit), limit)
     add(n, tables.energy, 0, FRICTION, 0.5 * touch.ks * (old + new) * (old + sliding - new))
     add(n, tables.energy, 0, DAMPING, -0.5 * (springs[row, k, VISCOUS] + viscous) * closing)

@@ -23,7 +23,7 @@ def scaled_mass(layout, time_step, beta, held=(), of=slice(None)):
     numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
     counts = np.ones(len(layout.contacts), bool)[of].tobytes()
-    parts = elastic_key(layout), damping, numbers.tobytes(), counts
+    parts = elastic_key(layout), mass_vector(layout).tobytes(), damping, numbers.tobytes(), counts
     key = hashlib.sha256(b"|".join(parts)).digest()
     return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held), of))
 

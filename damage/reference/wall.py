@@ -35,7 +35,7 @@ class ReferenceWall:
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
     alpha: mass-proportional damping [1/s]; new_contacts: bodies whose joints have ended, or that
     had none, collide; scaled: contact points whose stiffness scales the masses
-    (`damage.mechanics.scaling`) for this time step and beta: None, a mask (n_joints,), or
+    (`damage.mechanics.scaling`) for this time step and beta: None, a mask (n_contacts,), or
     slice(None) for all, which goes without local damping.  time_step, beta, alpha, `local_damping`
     (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
     changed at any time.

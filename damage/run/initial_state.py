@@ -103,6 +103,12 @@ def read_earlier(path, layout, origin, option="--continue", ended=True):
             for name, values in layout_tables(layout).items()
             if not np.array_equal(file[name][()], values)
         ]
+        earlier = history.masonry_wall
+        other += [
+            name
+            for name in ("joint", "brick")
+            if getattr(earlier, name) != getattr(layout.wall, name)
+        ]
         if other:
             raise InputError(
                 f"{option} {path}: the history of another wall, {history.wall}: {other[0]} differs"

@@ -456,6 +456,12 @@ def model_of(parsed):
 
 def _damping(parsed):
     """(alpha [1/s], beta [s]) of --beta or --rayleigh, beta None where neither is given."""
+    given = [name for name in ("beta", "rayleigh") if getattr(parsed, name, None)]
+    if given and (parsed.pushover or parsed.cyclic):
+        raise InputError(
+            f"--{given[0]} with a pushed top: expected neither --beta nor --rayleigh, as a push is"
+            " damped locally or adaptively; leave it out"
+        )
     if getattr(parsed, "rayleigh", None) is None:
         return 0.0, parsed.beta
     if parsed.beta:

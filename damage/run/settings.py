@@ -260,11 +260,6 @@ class RunSettings:
             )
 
     def _check_motion(self):
-        if self.loading.drive.quasi_static and (self.alpha_1_s or self.beta_s):
-            raise InputError(
-                "--beta or --rayleigh with a pushed top: expected neither, as a push is damped"
-                " locally or adaptively; leave it out"
-            )
         if self.duration_s > LONGEST_S:
             raise InputError(
                 f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million"

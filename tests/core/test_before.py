@@ -1,6 +1,8 @@
 """What a wall went through before a run: runs that continue another, joints that start without a
 bond."""
 
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
@@ -93,6 +95,9 @@ def test_a_history_of_another_wall_is_one_line(tmp_path):
     other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)], lintel="courses")
     with pytest.raises(InputError, match="the history of another wall, small: joints/"):
         damage.run(other, **SHAKE, **{"continue": tmp_path / "first.h5"})
+    slippery = replace(SMALL, joint=replace(SMALL.joint, friction_angle=0.3))
+    with pytest.raises(InputError, match="another wall, small: joint differs"):
+        damage.run(slippery, **SHAKE, **{"continue": tmp_path / "first.h5"})
     with pytest.raises(InputError, match="joints/cohesion_pa|joints/tensile_strength_pa"):
         damage.run(SMALL, **SHAKE, scatter=0.01, seed=1, **{"continue": tmp_path / "first.h5"})
 
