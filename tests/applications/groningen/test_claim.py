@@ -586,7 +586,7 @@ class TestSheet:
             "scheur A (0.15 mm) zou er zijn zonder aardbevingen: ja, zonder zetting: nee"
         )
 
-    def test_a_value_is_told_from_its_limit(self):
+    def test_a_value_differs_from_its_limit(self):
         numbers = {"no_answer": [{"why": "draws", "value": 49.96}]}
         numbers |= {"like_survey": {}, "crack_width_mm": {}, "settlement": {}}
         numbers["survey"] = {"detection_limit_known": True}
