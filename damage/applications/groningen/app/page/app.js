@@ -182,6 +182,7 @@ by("straighten").addEventListener("click", async () => {
 });
 
 function unstraight() {
+  if (board.image) say("said-photo", words.straighten_again);
   board.image = null;
   by("for-overlay").hidden = true;
   board.paint();
