@@ -27,7 +27,7 @@ CRITICAL_S = 4.67e-5
 
 def step_of(*words, softens=False):
     return choose_time_step(
-        parse_run(["--pushover", "0.1", *words], "test", "reference"), CRITICAL_S, softens
+        parse_run(["--free-vibration", *words], "test", "reference"), CRITICAL_S, softens
     )
 
 
