@@ -668,6 +668,16 @@ class TestOneFolder:
         assert "3 draws, not yet the answer" in said and "6 draws, effective number" in said
         assert make.steps_to(None) == make.STEPS and make.steps_to(8) == (3, 4, 8)
 
+    def test_the_pace_counts_no_draws_that_are_made_again(self, claimed, tmp_path):
+        def kept(folder):
+            return make._kept(folder, load_study(folder / "claim.toml", "reference"), False)
+
+        other = shutil.copytree(claimed, tmp_path / "out")
+        draws = kept(claimed)
+        path = other / "claim.toml"
+        written(path, path.read_text().replace("rest = 0.1", "rest = 0.2"))
+        assert draws >= 3 and kept(other) == 0
+
     def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(
         self, claimed, tmp_path, capsys, monkeypatch
     ):

@@ -93,8 +93,9 @@ def make_claim(claim, out, jobs, remake=False):
     )
     print(on_joints(survey.as_dict()))
     with held(out, Path(NAME).stem) as lock:
-        _state_runs(size_of(_study(claim, out, steps[0])), jobs, steps)
-        began, there = time.monotonic(), len(read_records(out).runs) // 2
+        begun = _study(claim, out, steps[0])
+        _state_runs(size_of(begun), jobs, steps)
+        began, there = time.monotonic(), _kept(out, begun, remake)
         for draws, following in zip(steps, (*steps[1:], None)):
             study = _study(claim, out, draws)
             if status := _draw(study, out, jobs, remake, lock):
@@ -206,6 +207,15 @@ def _state_pace(began, made, more):
     if made > 0:
         left = (time.monotonic() - began) / made * more
         print(f"at this pace {more} more draws take {clock(left)}", flush=True)
+
+
+def _kept(out, study, remake):
+    """Number of draws in a folder that are not made again."""
+    from damage.applications.studies.outdated import Results
+
+    verdict = Results(out).judge(study.runs)
+    again = verdict.changed or (remake and verdict.models)
+    return 0 if again else len(read_records(out).runs) // 2
 
 
 def _study(claim, out, draws):
