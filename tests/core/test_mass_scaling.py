@@ -27,6 +27,7 @@ from damage.wall.kinds import LINTEL_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
+from damage.wall.restraints import Restraint
 from walls.variants.small import wall as small_wall
 
 SYMMETRIC = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"
@@ -195,6 +196,14 @@ class TestLintels:
         matrix = scaled_mass(layout, 2e-4, 1e-6, of=inside_lintels(layout)).matrix
         of_others = np.flatnonzero(layout.bodies.course != LINTEL_COURSE)
         assert matrix.body[: matrix.alone].tolist() == of_others.tolist()
+
+    def test_tops_that_are_held_otherwise_have_masses_of_their_own(self, wall):
+        fixed, free = (
+            lay_out(replace(wall, restraints=[Restraint("top", rotation)]))
+            for rotation in ("fixed", "free")
+        )
+        keys = {scaled_mass(one, 2e-4, 1e-6, of=inside_lintels(one)).key for one in (fixed, free)}
+        assert len(keys) == 2
 
     def test_other_runs_keep_all_masses(self, wall):
         found = damage.run(wall, **MILDLY, new_contacts=True, settling="local")
