@@ -27,6 +27,7 @@ from paper.evidence import Point, load_runs
 
 pytest.importorskip("jinja2")
 
+from damage.applications.report import study_part
 from damage.applications.report.plain import plain
 from damage.applications.report.report import Words, page, plotly_code, write_report
 from damage.applications.report.run_part import MOST_INSTANTS, preview, still
@@ -378,6 +379,23 @@ class TestStudy:
         parsed = Page(page([], [study]))
         assert "cannot be read" in parsed.text and "a.h5" in parsed.text
         assert len([one for one in parsed.all("img") if one["src"].startswith("data:")]) == 1
+
+    def test_fragility_has_the_intensity_and_states_of_the_study(self, study, monkeypatch):
+        asked = []
+
+        def fit(runs, intensity, replicates, states):
+            asked.append((intensity, states))
+            return {}
+
+        monkeypatch.setattr(study_part, "fit_all", fit)
+        path = study / "tables" / "summary.csv"
+        drawn = {"strength_cov": 0.3, "strength_seed": 1, "pga_g": 0.1, "pgv_m_s": 0.02}
+        write_table(read_table(path).assign(record="r", **drawn), path)
+        choices = 'intensity = "pgv_m_s"\nstates = ["moderate: max_psi > 2"]\n'
+        (study / "study.toml").write_text((study / "study.toml").read_text() + choices)
+        page([], [study])
+        ((intensity, (state,)),) = asked
+        assert (intensity, state.name, state.level) == ("pgv_m_s", "moderate", 2)
 
     def test_why_a_study_has_no_fragility_curves(self, study):
         for name in ("points", "summary"):
