@@ -70,7 +70,8 @@ def _run(arguments, quiet):
 
 
 def _keep_sources(parser, asked):
-    """Raise InputError where a command would write over a file that it reads."""
+    """Raise InputError where a command would overwrite a file that it reads; asked: its options,
+    as its parser returns them."""
     written = {
         one.dest
         for group in parser._action_groups
@@ -84,8 +85,8 @@ def _keep_sources(parser, asked):
                 paths[name in written].add(one.resolve())
     for path in paths[True] & paths[False]:
         raise InputError(
-            f"{shown_path(path)} would be written over, of which it is made; expected another file;"
-            " choose another name"
+            f"{shown_path(path)} is read by this command and would be overwritten; expected another"
+            " file for the output; choose another name"
         )
 
 

@@ -119,8 +119,13 @@ def whole_or_nothing(path):
 
 def write_text(path, text):
     """Write a text file, whole or not at all; returns its path."""
+    return write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path, data):
+    """Write a file of bytes, whole or not at all; returns its path."""
     with whole_or_nothing(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
+        unfinished.write_bytes(data)
     return Path(path)
 
 

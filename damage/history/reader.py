@@ -177,7 +177,7 @@ class History:
         return max(
             abs(factor)
             for factor, loading in zip(self.sequence, self.event_loadings)
-            if loading.as_dict() == self.loading.as_dict()
+            if loading == self.loading
         )
 
     @property

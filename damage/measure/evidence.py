@@ -404,11 +404,11 @@ def names_outside(words):
     ... }
     True
     """
+    # the longest first: "drift" begins "drift across the wall", too
     names = sorted((one.name for one in QUANTITIES), key=len, reverse=True)
     return {
-        name
-        for part in words.split("; ")
-        for name in [one for one in names if part.startswith(f"{one} ")][:1]
+        next(name for name in names if part.startswith(f"{name} "))
+        for part in filter(None, words.split("; "))
     }
 
 

@@ -197,9 +197,7 @@ class TestSchedule:
 
 
 def test_the_factor_on_the_strongest_motion_is_not_that_of_one_of_the_same_name():
-    weak, strong = (
-        SimpleNamespace(name="rec_x1", as_dict=lambda peak=peak: {"peak": peak}) for peak in (1, 3)
-    )
+    weak, strong = (SimpleNamespace(name="rec_x1", peak_g=peak_g) for peak_g in (0.01, 0.3))
     history = SimpleNamespace(sequence=[10, 1], event_loadings=[weak, strong], loading=strong)
     assert History.strongest_factor.fget(history) == 1
 

@@ -212,11 +212,10 @@ def largest_index(drift, opened, slipped, both, one):
 
 
 def largest(levels):
-    """Each component's own maximum over levels of `describe_level`, (low, high), and psi's."""
+    """Each component's own maximum over levels of `describe_level`, (low, high), None where no
+    level has it, and psi's."""
     result = {
-        name: tuple(map(max, zip(*known)))
-        if (known := [one[name] for one in levels if one[name]])
-        else None
+        name: tuple(map(max, zip(*(level[name] for level in levels if level[name])))) or None
         for name in COMPONENTS
     }
     return result | {"psi": max(level["psi"] for level in levels)}

@@ -13,7 +13,7 @@ import numpy as np
 
 from damage.checks import check_file
 from damage.errors import InputError
-from damage.files import whole_or_nothing
+from damage.files import write_bytes
 from damage.history.moments import nearest_snapshot
 
 START, SETTLED = -1, 0
@@ -83,8 +83,7 @@ def write_patterns(patterns, path):
     """Write Patterns into a file; returns the SHA-256 of its bytes."""
     content = io.BytesIO()
     np.savez_compressed(content, **patterns._asdict())
-    with whole_or_nothing(path) as unfinished:
-        unfinished.write_bytes(content.getvalue())
+    write_bytes(path, content.getvalue())
     return hashlib.sha256(content.getvalue()).hexdigest()
 
 

@@ -147,7 +147,10 @@ def _export_wall(asked):
             " that ships; give the wall that was run"
         )
     if wall_path(asked.source).resolve() == asked.opensees.resolve():
-        raise InputError(f"--opensees {asked.opensees} is the wall itself; expected another file")
+        raise InputError(
+            f"--opensees {asked.opensees} is the wall itself; expected another file for the model;"
+            " choose another name"
+        )
     layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
     return write_opensees(layout, asked.opensees)
 

@@ -18,13 +18,12 @@ tributary length on the front face, so that a joint can open:
 import io
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pandas as pd
 
-from damage.files import whole_or_nothing
+from damage.files import write_bytes
 from damage.history.in_space import InSpace
 from damage.history.moments import check_samples, joint_states, nearest_snapshot, support_motion
 from damage.history.reader import History
@@ -57,9 +56,7 @@ def write_vtkhdf(history, path):
     with h5py.File(content, "w") as file:
         cells = HouseCells if history.is_house else WallCells
         _fill(file.create_group("VTKHDF"), cells(history))
-    with whole_or_nothing(path) as unfinished:
-        unfinished.write_bytes(content.getbuffer())
-    return Path(path)
+    return write_bytes(path, content.getbuffer())
 
 
 def _fill(root, cells):

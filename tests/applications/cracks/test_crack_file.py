@@ -18,11 +18,12 @@ from damage.applications.cracks.crack_file import (
 )
 from damage.applications.cracks.crack_mapping import (
     describe_level,
+    largest,
     largest_index,
     least_index,
     map_cracks,
 )
-from damage.index import combine
+from damage.index import COMPONENTS, combine
 from damage.measure.cracks import cracks_at, psi
 from damage.wall.kinds import CUT, HEAD
 from damage.wall.layout import lay_out
@@ -130,6 +131,13 @@ BAD = {
 @pytest.mark.parametrize("header, text, complaint", BAD.values(), ids=BAD)
 def test_bad_files_are_refused_with_their_line(tmp_path, header, text, complaint):
     refused_with(complaint, patterns, tmp_path, text, header or "")
+
+
+def test_the_largest_of_levels_without_a_drift_is_not_known():
+    one = dict.fromkeys(COMPONENTS, (0.1, 0.2)) | {"DI_drift": None, "psi": 1.0}
+    other = dict.fromkeys(COMPONENTS, (0.0, 0.3)) | {"DI_drift": None, "psi": 2.0}
+    found = largest([one, other])
+    assert (found["DI"], found["DI_drift"], found["psi"]) == ((0.1, 0.3), None, 2.0)
 
 
 # --- on the joints --------------------------------------------------------------------------------

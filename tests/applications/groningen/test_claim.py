@@ -549,6 +549,7 @@ class TestSheet:
             read_survey(claimed.parent / "survey.csv", layout),
         )
         numbers = json.loads((claimed / "claim.json").read_text()) | {"no_answer": []}
+        numbers["survey"]["share_looked_at"] = 0.404
         for k, one in enumerate(numbers["crack_width_mm"].values()):
             one["like_survey"]["added"] = [0.03 - 0.01 * k, 0.1, 0.2 + 0.01 * k]
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
@@ -560,6 +561,7 @@ class TestSheet:
             )
             in page
         )
+        assert "The survey covers 40 of 100 joints of the front" in page
         one["like_survey"]["added"][0] = -0.1
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
         assert "The earthquakes changed the widest crack by -0.1 to 0.22 mm" in page

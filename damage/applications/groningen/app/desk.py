@@ -31,7 +31,7 @@ from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, end_with_parent, environment, open_log
 from damage.checks import check_choice, check_range, check_whole
 from damage.errors import InputError, heard
-from damage.files import whole_or_nothing, write_text
+from damage.files import write_bytes, write_text
 from damage.measure.cracks import ENDS
 from damage.motion.settlement import PROFILES, read_profile
 from damage.wall.file import read_wall, shipped_walls
@@ -128,21 +128,16 @@ class Desk:
             )
         text = text.removeprefix("\ufeff")
         if kept:
-            before = self._view()
-            found = _drawn(self._keep(HOUSE, "the front", text, _laid_out), text)
-            if self._view() != before:  # the photograph was straightened to another front
+            before = None
+            with contextlib.suppress(InputError):  # there is none yet, or none that can be read
+                before = _view(self.layout())
+            layout = self._keep(HOUSE, "the front", text, _laid_out)
+            if _view(layout) != before:  # the photograph was straightened to another front
                 self.path(STRAIGHT).unlink(missing_ok=True)
+            found = _drawn(layout, text)
             return found | {"straight": self.path(STRAIGHT).exists()}
         with TemporaryDirectory() as folder:
             return _drawn(_laid_out(write_text(Path(folder) / HOUSE, text)), text)
-
-    def _view(self):
-        """Outline and openings of the front that is kept; None before that."""
-        try:
-            layout = self.layout()
-        except InputError:
-            return None
-        return _edges(layout.wall).tolist(), _openings(layout.plan).tolist()
 
     def sketch(self, table):
         """The front of a table that was edited as a drawing, as of `front`."""
@@ -200,7 +195,7 @@ class Desk:
 
     def photograph(self, data):
         """Keep a photograph (bytes) without its metadata."""
-        _write(self.path(PHOTO), cleaned(data))
+        write_bytes(self.path(PHOTO), cleaned(data))
         self.path(STRAIGHT).unlink(missing_ok=True)
         return {"file": PHOTO}
 
@@ -229,7 +224,9 @@ class Desk:
             layout.plan, [_points("an opening", one, 2, 2) for one in openings], to_wall
         )
         jpeg = self._given(PHOTO, "the photograph").read_bytes()
-        _write(self.path(STRAIGHT), rectified(jpeg, pixels, places, wall.length, wall.built_height))
+        write_bytes(
+            self.path(STRAIGHT), rectified(jpeg, pixels, places, wall.length, wall.built_height)
+        )
         return {"file": STRAIGHT}
 
     # --- survey, levels ---------------------------------------------------------------------------
@@ -406,11 +403,6 @@ class Desk:
         }
 
 
-def _write(path, data):
-    with whole_or_nothing(path) as unfinished:
-        unfinished.write_bytes(data)
-
-
 def _laid_out(path):
     return lay_out(read_wall(path), ModelOptions(supports="bricks"))
 
@@ -444,6 +436,11 @@ def _drawn(layout, text):
         "floors": sorted({float(one.above * wall.brick.height) for one in layout.plan.floors}),
         "contact_points": layout.n_joints,
     }
+
+
+def _view(layout):
+    """What a photograph is straightened by: corners of the outline and edges of openings [m]."""
+    return _edges(layout.wall).tolist(), _openings(layout.plan).tolist()
 
 
 def _openings(plan):
