@@ -199,7 +199,7 @@ def _of_levels(table, x, height):
 
 
 def _longer(x, up):
-    """Points with their ends extended by END_M."""
+    """Points, x and up (n,) [m], with one more at either end, END_M further on the same slope."""
     slope = np.diff(up)[[0, -1]] / np.diff(x)[[0, -1]]
     return np.concatenate([x[:1] - END_M, x, x[-1:] + END_M]), np.concatenate(
         [up[:1] - END_M * slope[0], up, up[-1:] + END_M * slope[1]]

@@ -142,7 +142,7 @@ MOTION_GROUPS = {
             "--top-rotation",
             type=float,
             metavar="N_M_RAD",
-            help=("rotational spring between the pushed top and what moves it (default 0: free)"),
+            help="rotational spring between the pushed top and what moves it (default 0: free)",
         ),
         arg("--speed", type=float, metavar="M_S", help="speed of the pushed top (default 0.005)"),
         arg(

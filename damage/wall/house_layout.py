@@ -52,7 +52,9 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     parts = [
         lay_out(
             one.wall,
-            replace(options, strength_seed=(options.strength_seed + 1000 * number) % MOST_SEED),
+            replace(
+                options, strength_seed=(options.strength_seed + 1000 * number) % (MOST_SEED + 1)
+            ),
             scatter=scatter,
             seed=seed + 1000 * number,
         )

@@ -215,8 +215,8 @@ def test_the_component_across_is_held_to_the_same_ranges():
     )
     asked.check_plausible(WALL)
     across = asked.loading.across
-    hundredfold = replace(across, acceleration_m_s2=500 * across.acceleration_m_s2)
-    wrong = replace(asked, loading=replace(asked.loading, across=hundredfold))
+    too_large = replace(across, acceleration_m_s2=500 * across.acceleration_m_s2)
+    wrong = replace(asked, loading=replace(asked.loading, across=too_large))
     assert "PGA of the base motion" in one_line_error(wrong.check_plausible, WALL)
 
 
