@@ -10,6 +10,7 @@ from numbers import Integral, Real
 from pathlib import Path
 
 from damage.errors import InputError
+from damage.retired import retired
 
 
 def check_number(what, value, wanted="a finite number", fits=lambda value: True):
@@ -122,14 +123,20 @@ def check_file(path, wanted, most_mb=math.inf):
 
 def record_from(kind, table, derived=()):
     """The frozen record `kind` of a table {field: value} from a file; fields that an older file
-    lacks take defaults.
+    lacks take defaults, and retired fields (`damage.retired`) are left out.
 
     derived: keys that follow from the others and are no fields.  Raises InputError for any other
-    that is
-    no field: a choice of a later version, unknown to this one.
+    that is no field: a choice of a later version, unknown to this one; and for a retired field
+    that has not its default.
     """
     names = [field.name for field in fields(kind)]
-    unknown = sorted(set(table) - {*names, *derived})
+    unknown = []
+    for name in sorted(set(table) - {*names, *derived}):
+        gone = retired(name)
+        if gone is None:
+            unknown.append(name)
+        elif table[name] != gone.default:
+            raise InputError(f"{kind.__name__} with {name} = {table[name]!r}: {gone.sentence}")
     if unknown:
         raise InputError(
             f"{kind.__name__} with {unknown[0]} = {table[unknown[0]]!r}: expected no other than "

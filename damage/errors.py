@@ -4,6 +4,8 @@ import sys
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 
+from damage.retired import retired
+
 # characters that are shown of a message's beginning and, where it is longer, of its end
 _LONGEST = 1200, 300
 
@@ -28,14 +30,16 @@ def _cut(text):
 
 
 def did_you_mean(word, known):
-    """The end of a message about a word that is not among the known ones: the nearest of these, or
-    nothing.
+    """The end of a message about a word that is not among the known ones: what became of it where
+    it went (`damage.retired`), the nearest of the known ones, or nothing.
 
     >>> did_you_mean("symetric", ["solid", "symmetric"]), did_you_mean("x", ["solid"])
     ('; did you mean symmetric?', '')
     """
     from difflib import get_close_matches  # no command needs it before something is wrong
 
+    if gone := retired(word):
+        return f"; {gone.sentence}"
     near = get_close_matches(str(word), list(known), n=1)
     return f"; did you mean {near[0]}?" if near else ""
 

@@ -23,6 +23,7 @@ ROOMS = [
         "damage.fields",
         "damage.memory",
         "damage.provenance",
+        "damage.retired",
         "damage.rounded",
         "damage.start",
         "damage.toml_file",

@@ -305,8 +305,8 @@ def load_study(path, solver="yade", root=None):
 def _check_keys(table, known, where):
     if unknown := sorted(set(table) - known):
         raise InputError(
-            f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; "
-            "take it out or correct its spelling"
+            f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; take it out"
+            f" or correct its spelling{did_you_mean(unknown[0], known)}"
         )
 
 

@@ -1,0 +1,40 @@
+"""Names that went: options of commands and runs, keys of studies and walls, fields of histories."""
+
+from typing import Any, NamedTuple
+
+
+class Retired(NamedTuple):
+    """What is said of a name that went.
+
+    Attributes
+    ----------
+    sentence : str
+        What went, since which version, and what to use instead.
+    default : object
+        The value that says in files of older versions what its absence says now.
+    """
+
+    sentence: str
+    default: Any = None
+
+
+RETIRED = {
+    "perturb": Retired(
+        "--perturb went in 0.2; members of an ensemble differ by --scatter, a share of the joints'"
+        " strengths"
+    ),
+    "past-collapse": Retired(
+        "--past-collapse went in 0.2; give --new-contacts with --after-fall, which follow bricks"
+        " until they rest"
+    ),
+}
+"""{name without dashes before it, words joined by dashes: Retired}."""
+
+
+def retired(name):
+    """Return the Retired of an option, a key or a field; None for any other name.
+
+    >>> retired("--past-collapse") is retired("past_collapse") is RETIRED["past-collapse"]
+    True
+    """
+    return RETIRED.get(str(name).lstrip("-").replace("_", "-"))

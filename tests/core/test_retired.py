@@ -1,0 +1,40 @@
+"""Names that went are refused with what to use instead, wherever a user may give them."""
+
+from dataclasses import dataclass
+
+import pytest
+
+import damage
+from damage.checks import record_from
+from damage.errors import InputError
+from damage.retired import RETIRED, Retired
+from damage.run.options import SOLVERS, options_of_a_run, parse_run
+
+
+def test_no_retired_name_is_an_option():
+    taken = {name.replace("_", "-") for name in options_of_a_run()}
+    assert not taken & set(RETIRED)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_on_a_command_line(solver):
+    with pytest.raises(InputError, match=r"--past-collapse; --past-collapse went in 0\.2; give"):
+        parse_run(["--past-collapse"], "", solver)
+
+
+def test_in_python():
+    with pytest.raises(InputError, match="no option perturb: .*; --perturb went in 0.2; members"):
+        damage.run("walls/symmetric.py", perturb=1e-9)
+
+
+def test_in_a_file_of_an_older_version(monkeypatch):
+    @dataclass(frozen=True)
+    class Record:
+        kept: int = 1
+
+    monkeypatch.setitem(RETIRED, "old-field", Retired("--old-field went in 9.9; give --kept", 4))
+    assert record_from(Record, {"kept": 2, "old_field": 4}) == Record(2)
+    with pytest.raises(InputError, match="Record with old_field = 5: --old-field went in 9.9"):
+        record_from(Record, {"kept": 2, "old_field": 5})
+    with pytest.raises(InputError, match="a later version wrote it"):
+        record_from(Record, {"other": 5})
