@@ -107,6 +107,16 @@ class TestSpectrum:
         refused_with(*refusal)
 
 
+def test_the_synthetic_record_has_the_published_peaks_and_spectrum():
+    """Targets of damage/data/huizinge_20120816_synthetic/README.md."""
+    record = read_record(shipped_record_path("MID1_N_synthetic"))
+    periods_s = [0.06, 0.10, 0.12, 0.15, 0.20, 0.25, 0.33, 0.5, 1.0]
+    published_g = [0.199, 0.280, 0.319, 0.290, 0.165, 0.123, 0.094, 0.072, 0.014]
+    assert pga_g(record) * GRAVITY == pytest.approx(0.85, rel=0.03)
+    assert pgv_m_s(record) == pytest.approx(0.0345, rel=0.1)
+    assert_allclose(response_spectrum(record, periods_s), published_g, rtol=0.05)
+
+
 class TestZeerijpRecords:
     """The measured values that came with the data; tolerance: half a unit of their last digit."""
 

@@ -112,5 +112,3 @@ def model_named(name, component=None):
 COMPONENTS = DATA / "zeerijp_20180108" / "components.csv"
 """Horizontal components of the Zeerijp earthquake that ship: the README beside it says how the
 columns were made."""
-ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
-"""The earthquake: magnitude, epicentre in RD [m], as the catalogue that ships has them."""
