@@ -1,14 +1,12 @@
 """Speed and size, as ratios in one run: python3 -m benchmarks [PIECE ...]
 
-PIECE, all of them by default, about half an hour on a quiet core:
+PIECE, all of them by default, at most half an hour on a quiet core:
 
     speed       the reference solver beside YADE, one second of motion, intact and cracked
-    stock       YADE's model of the wall beside loose bricks under YADE's stock law for polyhedra
     kernel      the compiled step beside that of before joints could soften, lanes, and against
                 the wall's size
     studies     members in lanes beside one after another, a study's time outside the kernel,
                 processes, bytes a run
-    sampling    what samples cost a run in YADE
     memory      largest memory of a run in either solver, and of eight together
 
 Each piece is a script beside this one, which says more and runs alone.  What needs YADE is passed
@@ -27,15 +25,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.start import EXIT_MISSING
 from yade_scripts import COMMAND
 
 PIECES = {
     "speed": (sys.executable, "benchmarks/speed.py"),
-    "stock": (*COMMAND, "benchmarks/yade_stock.py"),
     "kernel": (sys.executable, "benchmarks/kernel.py", "--sizes"),
     "studies": (sys.executable, "benchmarks/studies.py"),
-    "sampling": (*COMMAND, "benchmarks/yade_sampling.py"),
     "memory": None,
 }
 RUN = (
@@ -93,12 +88,7 @@ def works(piece):
     print(f"\n== {piece}", flush=True)
     if piece == "memory":
         return memory()
-    in_yade = PIECES[piece][0] == COMMAND[0]
-    if in_yade and shutil.which("yade") is None:
-        print("YADE is not installed: passed over")
-        return True
-    status = subprocess.run(PIECES[piece], cwd=ROOT, env=_environment()).returncode
-    return status == 0 or (in_yade and status == EXIT_MISSING)  # as polyhedra are
+    return subprocess.run(PIECES[piece], cwd=ROOT, env=_environment()).returncode == 0
 
 
 def memory():
