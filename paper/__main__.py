@@ -189,11 +189,10 @@ def _figures(asked):
     output(
         file_arg("--markdown", "FILE", "write the document, too"),
         file_arg("--csv", "FILE", "write the outcome of every claim, too"),
-        file_arg("--readme", "README.md", "renew the results between its markers, too"),
     ),
 )
 def _verdict(asked):
-    from paper.report import as_json, as_markdown, claims_table, describe, update_readme
+    from paper.report import as_json, as_markdown, claims_table, describe
     from paper.verdict import judge
 
     findings = judge(asked.results)
@@ -201,8 +200,6 @@ def _verdict(asked):
         write_text(asked.markdown, as_markdown(findings))
     if asked.csv:
         write_text(asked.csv, claims_table(findings).to_csv(index=False))
-    if asked.readme:
-        update_readme(findings, asked.readme)
     print(json_text(as_json(findings), indent=2) if asked.json else describe(findings))
 
 

@@ -1,14 +1,11 @@
-"""The verdict on the paper as text, JSON, Markdown, CSV, and as a block of the README."""
+"""The verdict on the paper as text, JSON, Markdown and CSV."""
 
 from dataclasses import asdict
 from itertools import groupby
 from operator import attrgetter
-from pathlib import Path
 
 import pandas as pd
 
-from damage.errors import InputError
-from damage.files import write_text
 from paper.criteria import BUILT_TO_MEET, STATEMENTS, page
 from paper.margins import EDGE
 from paper.verdict import DIFFERS, HOLDS, IN_PART, UNJUDGED, statement_verdict
@@ -23,10 +20,6 @@ _FALLS = "none", "1"
 """Lintels without which spandrels fall: what next to nothing holds with has no column."""
 ON_EDGE = ", borderline"
 """Suffix of a verdict that a small change of its limit would change."""
-BEGIN, END = (
-    "<!-- paper verdict: begin, written by python3 -m paper verdict -->",
-    "<!-- paper verdict: end -->",
-)
 
 
 def _by(findings, name):
@@ -297,27 +290,3 @@ def _short(findings):
         return verdict
     judged = [finding.verdict for finding in findings if finding.verdict != UNJUDGED]
     return f"{judged.count(HOLDS)} of {len(judged)}"
-
-
-def update_readme(findings, path):
-    """Put the tallies of the reference solver with elastic lintels, a row a model, between the two
-    markers of a README, those of all findings where it has none; returns its path.
-
-    Raises InputError where the markers are missing.
-    """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}; give the README to write into") from error
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise InputError(
-            f"{path} lacks the line {BEGIN if not begin else END}; expected both markers around the"
-            " results"
-        )
-    shown = [
-        one for one in findings if (one.solver, one.lintel) == ("reference", "elastic")
-    ] or findings
-    block = "\n".join(tallies(shown))
-    return write_text(path, f"{before}{BEGIN}\n\n{block}\n\n{END}{after}")

@@ -66,18 +66,6 @@ def _differences(name, text, made):
             yield f"{name}: {side} {line[1:100]!r}; {RENEW}"
 
 
-def readme_quotes_the_verdict(root):
-    """The README's part between its markers is in the document, too."""
-    _, begin, rest = _text(root / "README.md").partition(report.BEGIN)
-    block, end, _ = rest.partition(report.END)
-    known = _text(root / VERDICT).splitlines()
-    if not (begin and end and block.strip()):
-        yield f"README.md: no verdict between its two markers; {RENEW}"
-    for line in block.splitlines():
-        if line not in known:
-            yield f"README.md: {line[:60]!r} is not in {VERDICT}; {RENEW}"
-
-
 def tables_show_the_files(root):
     """The tables of all documents show what the files in docs/tables hold, and what the code
     defines."""
@@ -182,7 +170,7 @@ def documents_below(root):
     return [root / "README.md", *sorted((root / "docs").rglob("*.md"))]
 
 
-CHECKS = [verdict_follows_from_the_tables, readme_quotes_the_verdict, tables_show_the_files]
+CHECKS = [verdict_follows_from_the_tables, tables_show_the_files]
 """Functions of ROOT that yield a line for each part that is not current: add those of further
 parts."""
 
@@ -235,11 +223,9 @@ def _cycles_as_runs(cycles):
 
 
 def renew(root):
-    """Writes the verdict's document and claims, the README's part of it, and the tables of all
-    documents."""
+    """Writes the verdict's document and claims, and the tables of all documents."""
     for name, made in _verdict_of(root).items():
         write_text(root / name, made)
-    report.update_readme(judge_tables(root / "docs/tables"), root / "README.md")
     for path in documents_below(root):
         text = _text(path)
         renewed = _renewed(text, root)

@@ -105,7 +105,7 @@ def read_record(path, response=None, unit=None, sample_step_s=None):
     elif found := foreign(data):
         raise InputError(
             f"{path}: its format is {found[0]}, which is not read; expected CSV, AT2 or miniSEED: "
-            f"{found[1]} (docs/guides/own-record.md)"
+            f"{found[1]} (docs/reference/record-formats.md)"
         )
     else:
         record = _read_text(path, data, **given)
@@ -417,7 +417,7 @@ FOREIGN = (
         "it is no waveform; give the record beside it",
     ),
 )
-"""(format, how a file begins, what to do with it); docs/guides/own-record.md has a row for each."""
+"""(format, how a file begins, what to do with it); docs/reference/record-formats.md has a row for each."""
 
 
 def foreign(data):

@@ -239,7 +239,7 @@ class TestOtherFormats:
         path = tmp_path / "record.txt"
         path.write_bytes(begins)
         message = one_line_error(read_record, path)
-        assert f"its format is {name}, which is not read" in message and "own-record.md" in message
+        assert f"its format is {name}, which is not read" in message and "record-formats.md" in message
 
     def test_k_net_by_the_guides_recipe_keeps_no_offset(self, tmp_path, monkeypatch):
         pytest.importorskip("obspy")
@@ -249,7 +249,7 @@ class TestOtherFormats:
         head = [line[:18].ljust(18) + line[18:] for line in K_NET.splitlines()]
         data = ("".join(map("{:9d}".format, counts[k : k + 8])) for k in range(0, 400, 8))
         written(tmp_path / "FILE", "\n".join([*head, *data]) + "\n")
-        guide = (REPOSITORY / "docs/guides/own-record.md").read_text()
+        guide = (REPOSITORY / "docs/reference/record-formats.md").read_text()
         recipe = re.search(r"^```\n(trace = obspy.read.*?)^```$", guide, re.MULTILINE | re.DOTALL)[
             1
         ]
@@ -262,5 +262,5 @@ class TestOtherFormats:
         assert not any(map(foreign, (b"# time_s,acc_g\n", b"0.0 0.1\n", b"acc_g\n", b"-0.5 0.2\n")))
 
     def test_the_guide_has_a_row_for_each(self):
-        guide = (REPOSITORY / "docs/guides/own-record.md").read_text()
+        guide = (REPOSITORY / "docs/reference/record-formats.md").read_text()
         assert [name for name, *_ in FOREIGN if f"| {name} |" not in guide] == []
