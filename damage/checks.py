@@ -9,7 +9,7 @@ from dataclasses import fields
 from numbers import Integral, Real
 from pathlib import Path
 
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.retired import retired
 
 
@@ -123,11 +123,11 @@ def check_file(path, wanted, most_mb=math.inf):
 
 def record_from(kind, table, derived=()):
     """The frozen record `kind` of a table {field: value} from a file; fields that an older file
-    lacks take defaults, and retired fields (`damage.retired`) are left out.
+    lacks take defaults; retired fields (`damage.retired`) are left out, with a warning where they
+    had another value than the default.
 
     derived: keys that follow from the others and are no fields.  Raises InputError for any other
-    that is no field: a choice of a later version, unknown to this one; and for a retired field
-    that has not its default.
+    that is no field: a choice of a later version, unknown to this one.
     """
     names = [field.name for field in fields(kind)]
     unknown = []
@@ -136,7 +136,7 @@ def record_from(kind, table, derived=()):
         if gone is None:
             unknown.append(name)
         elif table[name] != gone.default:
-            raise InputError(f"{kind.__name__} with {name} = {table[name]!r}: {gone.sentence}")
+            warn(f"made with {name} = {table[name]!r} by an older version: {gone.sentence}")
     if unknown:
         raise InputError(
             f"{kind.__name__} with {unknown[0]} = {table[unknown[0]]!r}: expected no other than "
