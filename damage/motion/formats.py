@@ -417,7 +417,8 @@ FOREIGN = (
         "it is no waveform; give the record beside it",
     ),
 )
-"""(format, how a file begins, what to do with it); docs/reference/record-formats.md has a row for each."""
+"""(format, how a file begins, what to do with it); docs/reference/record-formats.md has a row for
+each."""
 
 
 def foreign(data):
