@@ -38,7 +38,6 @@ from damage.wall.kinematics import ContactKinematics, rigid_displacement
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Wall
 from paper.bench import REPOSITORY, arguments, option
-from paper.cracks_before import BINS, LEAST_PSI
 from paper.lives_walls import ADDRESSES, WALLS
 
 TABLES = REPOSITORY / "docs" / "tables"
@@ -142,6 +141,10 @@ CLASSES = {
     "about 1": (ORANGE, "s", "hogged by 1/3700 to 1/2400"),
 }
 """{class of docs/tables/cracks_before.csv: colour, marker, words}"""
+BINS = 0.6, 0.7, 0.75, 0.85, 0.9, 0.95, 1.0, 1.25
+"""Ends of the bins of Psi before the earthquake in which shares are counted."""
+LEAST_PSI = 1.0
+"""Least Psi of cracks that are visible."""
 NOTHING_AT = {"undisturbed": -0.05, "invisible": 0.05}
 """Places, beside each other, of walls without a crack before: their Psi is zero."""
 PUBLISHED_PSI = {"undisturbed": 0.0, "about 0.5": 0.5}
