@@ -13,8 +13,8 @@ is Student's, mean +- t(n - 1) s sqrt(1 + 1 / n) of the n logarithms (A. Gelman 
 Bayesian Data Analysis, 3rd edition, section 3.2).  Otherwise two neighbouring intensities bound a
 record's median, and the likelihood holds no information on a tau that is much less than their
 distance in ln x.  So tau_0 is the standard deviation of a uniform distribution of that width, of
-the median record. The runs of a record count as independent.  `paper/fragility_coverage.py`
-measures how often the interval holds.
+the median record. The runs of a record count as independent.
+How often the interval holds is in docs/reference/studies.md.
 """
 
 from dataclasses import dataclass
