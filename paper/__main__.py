@@ -14,12 +14,10 @@ from pathlib import Path
 import pandas as pd
 
 from damage.__main__ import add_commands
-from damage.applications.studies.read import made_by_words
-from damage.arguments import OneLineParser, arg, file_arg
-from damage.commands.table import HISTORIES, JSON, command, out, output, save
+from damage.arguments import OneLineParser, file_arg
+from damage.commands.table import JSON, command, out, output
 from damage.errors import InputError
 from damage.files import json_text, shipped_files, write_text
-from damage.provenance import shown_path
 
 PROGRAMS = (
     "accumulation",
@@ -247,70 +245,6 @@ def _choices(asked):
     print(*map(in_words, rows), sep="\n")
     for name, table in (("choices", rows), ("readings", readings(parts))):
         print(write_table(pd.DataFrame(table), asked.out / f"{name}.csv"))
-
-
-@command("pushed laboratory walls beside their tests", HISTORIES, out("folder for the pictures"))
-def _specimens(asked):
-    from damage.history.reader import read_history
-    from paper.beside_test import save
-
-    print(*save(map(read_history, asked.histories), asked.out), sep="\n")
-
-
-FRAGILITY = (
-    file_arg("study", "STUDY_DIR", "folder of a study, as results/stations"),
-    arg("--intensity", metavar="COLUMN", help="as of python3 -m damage fragility, as is --state"),
-    arg("--state", action="append", dest="states", metavar="STATE"),
-    out("folder for tables and pictures"),
-)
-
-
-@command(
-    "intensities beside one another: how efficient each is, and each record of a study beside"
-    " curves of the others",
-    *FRAGILITY,
-    file_arg("--unseen", "STUDY_DIR", "records of this other study instead"),
-)
-def _intensities(asked):
-    from damage.applications.studies.fragility import choices_of, load_runs
-    from damage.measure.tables import write_table
-    from paper.intensities import beside_unseen, efficiency_table, leave_one_out, scores
-
-    runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
-    if asked.unseen:
-        name, compared = "unseen", beside_unseen(runs, load_runs(asked.unseen), states)
-    else:
-        name, compared = "left_out", leave_one_out(runs, states)
-    tables = {
-        "efficiency": efficiency_table(runs, states, intensity),
-        f"{name}_scores": scores(compared),
-    }
-    for title, table in tables.items():
-        print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
-        print(write_table(table, asked.out / f"{title}.csv"))
-    print(write_table(compared, asked.out / f"{name}.csv"))
-
-
-@command("fragility by Psi before each event, of a study of sequences", *FRAGILITY)
-def _shocks(asked):
-    from damage.applications.studies.fragility import choices_of
-    from damage.measure.tables import write_table
-    from paper.after_damage import load_shocks, picture_after_damage, table_after_damage
-
-    runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
-    shocks = load_shocks(runs, asked.study, states)
-    table = table_after_damage(shocks, intensity, states)
-    print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
-    print(write_table(table, asked.out / f"fragility_after_damage_{intensity}.csv"))
-    drawn = {} if asked.states is None else {"states": states}
-    figures = [
-        (
-            f"fragility_after_damage_{wall}_{intensity}",
-            picture_after_damage(wall, of_wall, table[table["wall"] == wall], intensity, **drawn),
-        )
-        for wall, of_wall in shocks.groupby("wall")
-    ]
-    save(figures, asked.out, f"study {shown_path(asked.study)}; {made_by_words(runs)}")
 
 
 if __name__ == "__main__":

@@ -83,7 +83,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
     ]
     return finish(
         figure,
-        [*fit_handles("lognormal fit to all records", "runs"), *bands],
+        [*_fit_handles(), *bands],
         columns=2,
     )
 
@@ -121,10 +121,10 @@ def few_note(n_records):
     )
 
 
-def fit_handles(fit, samples):
-    """Legend entries in grey: words of the curve, and of the shares that it is fitted to."""
+def _fit_handles():
+    """Return the legend's entries in grey of the curve and of the shares that it is fitted to."""
     return [
-        Line2D([], [], color="0.3", label=fit),
+        Line2D([], [], color="0.3", label="lognormal fit to all records"),
         Line2D(
             [],
             [],
@@ -132,7 +132,7 @@ def fit_handles(fit, samples):
             marker="o",
             ls="",
             ms=3,
-            label=f"share of the {samples} at one intensity",
+            label="share of the runs at one intensity",
         ),
     ]
 
