@@ -22,11 +22,8 @@ from damage.files import json_text, shipped_files, write_text
 PROGRAMS = (
     "accumulation",
     "after_peak",
-    "bouncing_caps",
     "claim_coverage",
-    "coarse_units",
     "coverage",
-    "deformable",
     "dic_field",
     "dilatancy",
     "document_figures",
@@ -36,7 +33,6 @@ PROGRAMS = (
     "laboratory",
     "lives_walls",
     "mass_scaling",
-    "other_starts",
     "repeated_loading",
     "repetitions",
     "results_figures",
@@ -44,10 +40,7 @@ PROGRAMS = (
     "softening",
     "shear_walls",
     "split_and_crush",
-    "stepped_cracks",
     "two_solvers",
-    "underdetermined",
-    "unmet",
 )
 """Modules that make tables and figures of documents: python3 -m paper NAME, with their own
 arguments."""
