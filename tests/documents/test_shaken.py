@@ -1,5 +1,4 @@
-"""Programs behind docs/validation/shaken-walls.md and impacts.md: the table's motions, impacts, the
-kept prediction."""
+"""The program behind docs/validation/shaken-walls.md: the table's motions, the kept prediction."""
 
 import hashlib
 import math
@@ -13,7 +12,7 @@ from numpy.testing import assert_allclose
 from damage.law.modes import natural_modes
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
-from paper import impacts, shaken_wall
+from paper import shaken_wall
 from paper.shaken_wall import Case
 
 TABLES = Path(__file__).resolve().parents[2] / "docs" / "tables"
@@ -65,12 +64,6 @@ def test_peaks_residuals_and_periods_are_those_of_each_event():
     assert_allclose(table["peak_mm_2060"], [5.0, 2.1], rtol=2e-3)
     assert_allclose(table["residual_mm_2060"], [0.0, 2.0], atol=1e-9)
     assert_allclose(table["period_after_s"], 0.1, rtol=1e-4)
-
-
-def test_the_kept_share_is_that_of_housner_for_his_peaks():
-    """Peaks at which each impact leaves half of the energy."""
-    energy = 0.75 * 0.5 ** np.arange(5)
-    assert impacts.kept_share(0.2 * (1 - np.sqrt(1 - energy)), 0.2) == pytest.approx(0.5)
 
 
 def test_predictions_are_those_that_were_committed():
