@@ -11,8 +11,6 @@ from functools import partial
 from importlib import import_module
 from pathlib import Path
 
-import pandas as pd
-
 from damage.__main__ import add_commands
 from damage.arguments import OneLineParser, file_arg
 from damage.commands.table import JSON, command, out, output
@@ -20,7 +18,6 @@ from damage.errors import InputError
 from damage.files import json_text, shipped_files, write_text
 
 PROGRAMS = (
-    "accumulation",
     "after_peak",
     "claim_coverage",
     "coverage",
@@ -30,14 +27,13 @@ PROGRAMS = (
     "falls",
     "houses",
     "laboratory",
-    "lives_walls",
     "repeated_loading",
-    "repetitions",
     "results_figures",
     "shaken_wall",
     "softening",
     "shear_walls",
     "split_and_crush",
+    "thirty_years",
     "two_solvers",
 )
 """Modules that make tables and figures of documents: python3 -m paper NAME, with their own
@@ -218,24 +214,6 @@ def _combinations(asked):
             ]
         )
     )
-
-
-@command(
-    "the same lives by other choices, and a wall's own fragility beside its lives, of a study of"
-    " lives: choices.csv, readings.csv",
-    file_arg("results", "FOLDER", "folder of a study with lives, as results/lives"),
-    out("folder for the tables"),
-)
-def _choices(asked):
-    from damage.applications.groningen.life.results import lives_of
-    from damage.measure.tables import write_table
-    from paper.lives_choices import choices, in_words, readings
-
-    parts = lives_of(asked.results)
-    rows = choices(parts)
-    print(*map(in_words, rows), sep="\n")
-    for name, table in (("choices", rows), ("readings", readings(parts))):
-        print(write_table(pd.DataFrame(table), asked.out / f"{name}.csv"))
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from damage.history.reader import read_history
 from damage.measure.tables import summary_row
 from damage.reference.session import run_references
 from damage.run.options import words_of
+from paper import document_figures, thirty_years
 
 SINE, STRONG = "symmetric_harmonic-0.2-0.025", "_window-0.8-2.5_rest-0.1_strength-cov-0.3"
 ROWS = {
@@ -84,3 +85,14 @@ def test_every_table_of_points_has_such_a_row():
         for path in (REPOSITORY / "docs/tables").glob("*_points.csv")
     }
     assert tables == {*ROWS, *LONGER, *NOT_OF_TODAY}
+
+
+def test_the_table_of_thirty_years_is_that_of_its_lives():
+    kept = REPOSITORY / "docs/tables/benchmarks/lives_walls.csv"
+    shown = pd.read_csv(kept, dtype=str, keep_default_na=False)
+    pd.testing.assert_frame_equal(thirty_years.walls_table(thirty_years.LIVES), shown)
+
+
+@pytest.mark.parametrize("draw", document_figures.FIGURES, ids=lambda draw: draw.__name__)
+def test_every_figure_of_a_document_can_be_drawn(draw):
+    assert all(ax.has_data() for ax in draw().axes)

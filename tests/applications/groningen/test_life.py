@@ -44,8 +44,6 @@ from damage.reference.session import run_references
 from damage.rounded import to_bits
 from damage.run.banner import event_lines
 from damage.run.options import parse_run, words_of
-from paper.accumulation import after
-from paper.lives_choices import choices, in_words, paired, readings
 
 WALL = "Wall('narrow', 0.9, 1.5)"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
@@ -416,18 +414,11 @@ class TestEstimate:
         assert scatter == pytest.approx(error, rel=0.2)
         assert max(error, scatter) < 0.9 * np.sqrt(truth * (1 - truth) / 100)
 
-    def test_pairs(self):
-        mean, low, high = paired([2.0, 3.0, 4.0, 5.0], [1.0, 1.0, 1.0, 1.0])
-        assert (mean, high - mean) == pytest.approx(
-            (2.5, 1.959964 * np.sqrt(5 / 3) / 2)
-        ) and low < mean
-
 
 class TestResults:
     @pytest.fixture(autouse=True)
     def few(self, monkeypatch):
-        for module in ("damage.applications.groningen.life.results", "paper.lives_choices"):
-            monkeypatch.setattr(f"{module}.POPULATION", 50)
+        monkeypatch.setattr("damage.applications.groningen.life.results.POPULATION", 50)
 
     @pytest.fixture
     def lives(self, exposure):
@@ -535,22 +526,3 @@ class TestResults:
         assert list(pair[0].index) == list(pair[1].index) == [(0, 1), (0, 2), (0, 3), (0, 4)]
         said = describe([lives, alone])
         assert "1.00 of the final Psi" in said  # of lives 1 and 4, the fallen one not counted
-        (row,) = choices([lives, alone])
-        assert in_words(row).startswith(
-            "p_largest beside p, 4 equal lives: P(Psi >= 1) at rest +0.000"
-        )
-        found = readings([lives, alone])
-        assert [one["p"] for one in found] == [one["p_largest"] for one in found]
-        assert all(np.isnan(one["p_by_largest"]) for one in found)  # all of one PGV: no curve
-
-
-class TestReadings:
-    def test_one_event_by_hand(self):
-        """At PGV = exp(3.370) a wall has reached 1.0 with 50 %: shares 0.4 and 0.6; no table from
-        Psi = 2 on."""
-        pgv = np.full(3, np.exp(3.370))
-        assert list(after(np.array([0.0, 0.0, 2.0]), pgv, np.array([0.4, 0.6, 0.0]))) == [
-            1.0,
-            0.5,
-            2.0,
-        ]
