@@ -451,7 +451,7 @@ FAULTS = [
                 "damage/motion/columns.py",
                 '"mg": GRAVITY / 1000',
                 '"mg": GRAVITY / 100',
-                "test_text_records test_formats test_records",
+                "test_formats test_records",
             ),
             (
                 "motion",

@@ -1,5 +1,6 @@
 """Bad input: one clear line, a non-zero status, no file that looks whole.  Each message is tested
-once, here.
+once, here: of walls, options and commands, and of the files of studies and cracks; that of records
+is in `test_formats.py`.
 
 Both solvers read their input by the same functions, so that most of it is tried in this process, by
 the reference solver's command; YADE is started once for each way on which it leaves.
@@ -7,17 +8,29 @@ the reference solver's command; YADE is started once for each way on which it le
 
 import os
 import re
+import shutil
+import sys
+from functools import partial
+from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY, one_line_error, refused_with, wall_file, written
+from conftest import REPOSITORY, one_line_error, refused_with, run_command, wall_file, written
 from small_history import make_history, small_layout
 
 from damage.__main__ import main
+from damage.applications.cracks import crack_mapping
+from damage.applications.cracks.crack_file import read_cracks
+from damage.applications.cracks.dic import read_field
+from damage.applications.studies.definition import load_study
+from damage.csv_table import read_csv
 from damage.errors import InputError
+from damage.fields import Column
+from damage.files import LONGEST_LINE
 from damage.law.modes import natural_modes
 from damage.motion.record import Record, band_passed
 from damage.reference.session import run_reference
 from damage.run.options import make_parser, parse_run
+from damage.run.paths import free_name
 from damage.run.schedule import check_size, choose_time_step
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
@@ -28,18 +41,41 @@ SYMMETRIC = REPOSITORY / "walls" / "symmetric.py"
 RECORD = str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv")
 ADDRESS = str(REPOSITORY / "studies/addresses/garsthuizen.toml")
 
+# --- walls, options and names of a run ------------------------------------------------------------
+
 WALLS = {
     "Wall('w', 2.0, 1.0, [Opening(0.05, 1.0, 0.5)])": "cuts off a pier",
-    "Wall('w', 2.0, 1.0, joint=Joint(tensile_strength=-1.0))": "tensile_strength",
     "Wall('w', 2.0, 1.0, joint=Joint(tensile_strength=0.1))": r"0\.1 MPa is 0\.1e6 Pa",
     "Wall('w', 2.0, 1.0, joint=Joint(friction_angle=32))": "radians",
+    "Wall('w', 2.0, -1.0)": r"line \d+: Wall\.height = -1\.0: expected",
+    "Wall('w', 1e9, 1e9)": r"Wall\.length = 1000000000\.0",
+    "Wall('w/\\n', 2.0, 1.0)": r"line \d+: Wall\.name = ",
+    "Wall('w' * 200, 2.0, 1.0)": "expected up to 100 letters",
+    "Wall('w', 2.0, 1.0, openings=3)": r"line \d+: Wall\.openings has 3",
+    "Wall('w', 2.0, 1.0, brick=3)": r"line \d+: failed with Attribute",
     "Wall('w', lenght=1, height=1)": r"Wall\(lenght=...\): expected length",
     "Wall('w', 1, 1, joint=Joint(cohesions=1))": r"Joint\(cohesions=...\): expected cohesion",
     "Wall('w', 1, 1, openings=[Opening(left=1, wide=1, height=1)])": (
         r"Opening\(wide=...\): expected "
     ),
     "Wall('w', 1, 1, colour=2)": r"Wall\(colour=...\): expected one of name, length, height",
+    "wall()": r"line \d+: failed with RecursionError",
+    "None": r"no function wall\(\)",
 }
+"""{what wall() returns: complaint}"""
+WALL_FILES = {
+    "x = 1\ndef wall(:\n": "wall.py line 2: failed with SyntaxError: invalid syntax",
+    "if 1:\n\tx = 1\n        y = 2\n": "wall.py line 3: failed with TabError",
+    "x = 1\0\n": "null bytes",
+    "import no_such_library\n": "line 1: failed with ModuleNotFoundError",
+    "def wall():\n    x = 1\n    raise KeyError('a\\x1b[31mb\\nc')\n": (
+        "line 3: failed with KeyError"
+    ),
+    "import sys\nsys.exit('bye')\n": "line 2: failed with SystemExit: bye",
+    "x = 1\n": r"no function wall\(\)",
+    "wall = 3\n": r"no function wall\(\)",
+}
+"""{text of a wall's file: complaint}"""
 OPTIONS = {
     "--harmonix 0.2 0.05": "did you mean --harmonic",
     "--recrod=a.csv": "did you mean --record",
@@ -95,6 +131,13 @@ def test_bad_wall(wall, refused, tmp_path):
     refused(WALLS[wall], wall_file(tmp_path / "wall.py", wall), "--out", tmp_path / "out.h5")
 
 
+@pytest.mark.parametrize("text", WALL_FILES)
+def test_a_wall_file_that_fails_is_reported_with_its_line(text, refused, error_of, tmp_path):
+    path = written(tmp_path / "wall.py", text)
+    refused(WALL_FILES[text], path, "--out", tmp_path / "out.h5")
+    assert re.search(WALL_FILES[text], error_of("modes", path))
+
+
 @pytest.mark.parametrize("words", OPTIONS)
 def test_bad_option(words, refused, tmp_path):
     refused(OPTIONS[words], SYMMETRIC, *words.split(), "--out", tmp_path / "out.h5")
@@ -137,19 +180,92 @@ class TestYade:
         assert_refused(done.returncode, done.stdout, done.stderr, complaint, tmp_path)
 
 
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        ("index --thresholdmm 0.1 a.h5", "did you mean --threshold-mm? see --help"),
-        ("--quite index", "did you mean --quiet? see --help"),
-        ("help indx", "did you mean index?"),
-        ("tables run a.h5 b.h5 --out stem", "tables run of 2 histories: expected one"),
-    ],
+# --- commands -------------------------------------------------------------------------------------
+
+COMMANDS = {
+    "index --thresholdmm 0.1 a.h5": "did you mean --threshold-mm? see --help",
+    "--quite index": "did you mean --quiet? see --help",
+    "help indx": "did you mean index?",
+    "tables run a.h5 b.h5 --out stem": "tables run of 2 histories: expected one",
+    "reference -\x1b[31m": "\\x1b",
+    "no\x1bsuch": "\\x1b",
+    "index x.h5 --a\x9b2J": "\\x9b",
+    "export H --vtkhdf H": "expected another file",
+    "export W --opensees W": "expected another file",
+    "export symmetric --opensees walls/symmetric.py": "the wall itself",
+    "tables summary H --out H": "expected another file",
+}
+"""{words of a command, with a history H and a wall W: complaint}"""
+NAMES = {
+    "x" * 300: "a name of 300 bytes",
+    "é" * 200: "a name of 400 bytes",
+    "x/" * 4000: "File name too long",
+    "a\x1b[31m": "a\\x1b[31m",
+    "a\nb": "a\\nb",
+    "a\udcff": "a\\udcff",
+}
+"""{name that no file can have, or that would garble a terminal: what is said of it}"""
+WITH_NAMES = (
+    "index ?",
+    "record ?",
+    "modes ?",
+    "plot H --out ?",
+    "tables summary H --out ?",
+    "study-tables ? x",
+    "reference ?",
+    "reference W --record ?",
+    "reference W --out ?",
+    "cracks --dic ? --wall W",
 )
-def test_a_mistaken_command(words, message, capsys):
-    assert main(words.split()) == 2
-    said = capsys.readouterr().err
-    assert message in said and said.startswith("error: ") and said.count("\n") == 1
+
+
+def filled(template, files, value=""):
+    """The words of a command, with paths in place of capitals and a value in place of ?."""
+    return [files.get(word, word).replace("?", value) for word in template.split()]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("files")
+    make_history(folder / "h.h5")
+    wall_file(folder / "W.py", "Wall('small', 0.9, 0.45)")
+    (folder / "C").write_text("crack,point,x_m,z_m,width_mm\n1,1,0.1,0.075,1\n1,2,0.3,0.075,1\n")
+    names = {"H": "h.h5", "W": "W.py"} | {name: name for name in "CFOS"}
+    return {letter: str(folder / name) for letter, name in names.items()} | {
+        "R": RECORD,
+        "A": ADDRESS,
+    }
+
+
+@pytest.mark.parametrize("template", COMMANDS)
+def test_a_mistaken_command(template, files, error_of, monkeypatch):
+    monkeypatch.chdir(REPOSITORY)
+    read = SYMMETRIC, *(Path(files[letter]) for letter in "HW")
+    before = [path.read_bytes() for path in read]
+    assert COMMANDS[template] in error_of(*filled(template, files))
+    assert [path.read_bytes() for path in read] == before
+
+
+@pytest.mark.parametrize("name", NAMES, ids=ascii)
+@pytest.mark.parametrize("template", WITH_NAMES)
+def test_names_that_no_file_can_have(name, template, files, error_of):
+    assert NAMES[name] in error_of(*filled(template, files, name))
+
+
+def test_a_long_name_of_a_run_is_cut(tmp_path, monkeypatch):
+    """Its record's name, factors and model make a default name of over 255 bytes: two runs of one
+    start differ."""
+    factors = ["1" + k * ",0.125" for k in (80, 81)]
+    names = [
+        free_name(
+            small_layout().wall,
+            parse_run(["--sequence", words, "--rest", "0"], "test", "reference"),
+            "reference",
+            tmp_path,
+        ).name
+        for words in factors
+    ]
+    assert len(set(names)) == 2 and all(len(os.fsencode(name)) < 220 for name in names)
 
 
 # --- values that are zero, negative, infinite, none, huge -----------------------------------------
@@ -200,7 +316,7 @@ RUN = {
 }
 """{words of a run, ? the value: which of ODD go}; all others are refused before anything is
 begun."""
-COMMANDS = {
+OF_COMMANDS = {
     "index H --threshold-mm ?": "0.5",
     "cracks H --at ?": "0 1e-300",
     "cracks C --wall W --tolerance-mm ?": "0.5",
@@ -209,15 +325,6 @@ COMMANDS = {
 }
 """The same of commands, with files that are there, or are looked for after the options (F, O,
 S)."""
-FIELDS = {
-    (Brick, "length"): "0.5",
-    (Brick, "density"): "",
-    (Brick, "young_modulus"): "1000000000",
-    (Joint, "normal_stiffness"): "1000000000",
-    (Joint, "tensile_strength"): "0 1e-300 1000000000 0.5",
-    (Joint, "friction_angle"): "0 1e-300 0.5",
-    (ModelOptions, "strength_cov"): "0 1e-300 0.5",
-}
 
 
 def that_go(function, complaint_of):
@@ -241,23 +348,6 @@ def complaint_of(capsys):
             return str(error)
 
     return run
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("files")
-    make_history(folder / "h.h5")
-    wall_file(folder / "W.py", "Wall('small', 0.9, 0.45)")
-    (folder / "C").write_text("crack,point,x_m,z_m,width_mm\n1,1,0.1,0.075,1\n1,2,0.3,0.075,1\n")
-    names = {"H": "h.h5", "W": "W.py"} | {name: name for name in "CFOS"}
-    return {letter: str(folder / name) for letter, name in names.items()} | {
-        "R": RECORD,
-        "A": ADDRESS,
-    }
-
-
-def filled(template, files, value):
-    return [files.get(word, word).replace("?", value) for word in template.split()]
 
 
 def prepare(words, solver="reference"):
@@ -290,21 +380,12 @@ def test_every_number_on_a_command_line_is_tried(solver):
     assert numbers - tried == set() and len(numbers) > 15
 
 
-@pytest.mark.parametrize("template", COMMANDS)
+@pytest.mark.parametrize("template", OF_COMMANDS)
 def test_odd_values_of_commands(template, files, complaint_of):
     assert (
         that_go(lambda value: main(filled(template, files, value)), complaint_of)
-        == COMMANDS[template]
+        == OF_COMMANDS[template]
     )
-
-
-@pytest.mark.parametrize("record, field", FIELDS)
-def test_odd_numbers_of_a_wall(record, field):
-    for word in set(ODD) - {"", "abc", 5000 * "9"}:
-        if word in FIELDS[record, field].split():
-            record(**{field: float(word)})
-        else:
-            one_line_error(record, **{field: float(word)})
 
 
 def test_walls_and_records_that_cannot_be_computed():
@@ -403,3 +484,211 @@ def house(folder, key="+", value=""):
 def test_a_mistake_in_a_wall_as_data(key, value, message, tmp_path):
     assert load_wall(house(tmp_path)).name == "house"
     assert "expected" in refused_with(message, load_wall, house(tmp_path, key, value))
+
+
+# --- files of studies, tables and cracks ----------------------------------------------------------
+
+HEAD = "crack,point,x_m,z_m,width_mm\n"
+CRACKS = {
+    HEAD + "a,1,0,0,1\na,2,20000,20000,1\n": "line 3: x_m = 20000: expected -1000 to 1000",
+    HEAD + "a,1,0,0,1e300\na,2,1,0,1\n": "line 2: width_mm = 1e300: expected 0 to 10000",
+    HEAD
+    + "".join(f"a{k},1,0,{k},1\na{k},2,900,{k},1\n" for k in range(20)): "cracks of 18000 m in all",
+    HEAD + "a,1,0,0,1\na,2,0.": "line 3: 3 cells",
+    HEAD + "\x1b[31m,2,0,0,1\n": "crack \\x1b[31m",
+    "crack,point,x_m,z_m,width_mm,load_level\n"
+    + "".join(f"a,1,0,0,1,{k}\na,2,1,0,1,{k}\n" for k in range(1001)): "1001 load levels",
+    HEAD + "a,1,0,0,1\n" * 20_000 + "a,2,1,1,1\n": "20001 rows",
+}
+ONE_RUN = '[[runs]]\nwall = "walls/solid.py"\n'
+OF_RECORD = f'name = "s"\n{ONE_RUN}options = {{{{ record = ["{{0}}", "{{0}}.csv"] }}}}\n'
+GRID = (
+    'name = "g"\n[[grid]]\nwall = "walls/solid.py"\noptions = {{ harmonic = ["{{a}}", "{{b}}"]'
+    " }}\nvary = {{ {} }}\n"
+)
+DEEP = "[" * 200 + "1" + "]" * 200, "{a=" * 200 + "1" + "}" * 200
+STUDIES = {
+    GRID.format(
+        "a = { from = 1, to = 1000000000 }, b = [0.1]"
+    ): "stands for 100001 runs; expected up to 100000",
+    GRID.format(
+        "a = { from = 1, to = 1000 }, b = { from = 1, to = 1000 }"
+    ): "stands for 1000000 runs",
+    f'name = "g"\n{ONE_RUN}members = 1000000000\n': (
+        "members = 1000000000: expected a whole number, 1 to 10000"
+    ),
+    f'name = "g"\n{ONE_RUN}samples = 0\noptions = {{ strength-cov = 0.3 }}\n': (
+        "samples = 0: expected a whole number, 1 to"
+    ),
+    f'name = "g"\n{ONE_RUN}id = "{"x" * 300}"\n': "at most 120 letters",
+    f'name = "g"\n{ONE_RUN}id = "a\\u001b"\n': "a\\x1b",
+    'name = "g"\n[[runs]]\nwall = "a\\u001b[31m"\n': "a name without control characters",
+    f'name = "g"\n[[runs]]\nwall = "{"x" * 300}"\n': "a name of 300 bytes",
+    f'name = "s"\n[[runs]]\nwall = "{"x/" * 3000}"\n': "no file",
+    OF_RECORD.format("x" * 300): "expected up to 255",
+    OF_RECORD.format("x/" * 3000): "no file",
+    "a = " + "[" * 5000: "no TOML",
+    # Python's own recursion ended it while it was reported
+    **{f"[[grid]]\nvary = {deep}\n": "more than 20 deep" for deep in DEEP},
+    **{f"name = {deep}\n": "more than 20 deep" for deep in DEEP},
+    **{f"[[runs]]\noptions = {deep}\n": "more than 20 deep" for deep in DEEP},
+}
+OF_RECORDS = {"record;scale\nBGAR_HGE;1,5\n": "unknown column 'scale'; expected any of record"}
+FIELDS = {
+    # pandas takes such a cell for a number, Python does not
+    "x_m,z_m,ux_m,uz_m\n0.\0,0,0,0\n": "holds a zero byte",
+    "time_s,acc_m_s2\n" + "1," * LONGEST_LINE: "100000",
+    "1," * LONGEST_LINE: "100000",
+}
+READERS = [
+    (read_cracks, CRACKS),
+    (partial(load_study, solver="reference", root=REPOSITORY), STUDIES),
+    (partial(read_csv, columns={"record": Column("", "")}), OF_RECORDS),
+    (read_csv, {'a,b\n"0\n",1\n1,2,3\n': "line 4: 3 cells; expected 2"}),
+    (read_field, FIELDS),
+]
+
+
+@pytest.mark.parametrize(
+    ("read", "text", "said"),
+    [(read, text, said) for read, table in READERS for text, said in table.items()],
+    ids=lambda value: value[:50] if isinstance(value, str) else "",
+)
+def test_a_file_of_a_study_or_of_cracks_that_is_refused(read, text, said, tmp_path):
+    assert said in one_line_error(read, written(tmp_path / "given", text))
+
+
+def test_a_long_crack_is_mapped_as_one_piece_would_be(tmp_path, monkeypatch):
+    """Across the whole wall and far beyond it, in parts of 0.1 m and at once."""
+    (tmp_path / "long.csv").write_text(
+        HEAD + "a,1,-2.05,-1,1\na,2,3.1,1.52,1\nb,1,-0.5,0.0751,1\nb,2,1.4,0.0751,1\n"
+    )
+    (pattern,) = read_cracks(tmp_path / "long.csv")
+    in_parts = crack_mapping.map_cracks(pattern, small_layout())
+    monkeypatch.setattr(crack_mapping, "_TOGETHER", 10**9)
+    at_once = crack_mapping.map_cracks(pattern, small_layout())
+    assert in_parts.table.equals(at_once.table) and len(in_parts.table) > 5
+    assert in_parts.unmapped_m == at_once.unmapped_m > 1
+
+
+def test_a_byte_order_mark_is_no_part_of_a_study_and_another_encoding_is_refused(tmp_path):
+    path, text = tmp_path / "study.toml", f'name = "marked"\n{ONE_RUN}'
+    path.write_text("\ufeff" + text, encoding="utf-8")
+    assert load_study(path, "reference", REPOSITORY).name == "marked"
+    path.write_text(text, encoding="utf-16")
+    assert "no TOML in UTF-8" in one_line_error(load_study, path, "reference", REPOSITORY)
+    with path.open("w") as file:
+        file.truncate(10**12)  # a hole
+    assert "1e+06 MB" in one_line_error(load_study, path, "reference", REPOSITORY)
+
+
+# --- what may not be read, and what is missing ----------------------------------------------------
+
+
+def test_folders_that_may_not_be_read(damage_command, tmp_path):
+    closed = tmp_path / "closed"
+    (closed / "in").mkdir(parents=True)
+    for folder in (tmp_path, *tmp_path.parents[:2]):
+        folder.chmod(folder.stat().st_mode | 0o055)  # the folders of pytest, on the way there
+    closed.chmod(0o000)
+    somebody = {"user": 65534, "group": 65534, "extra_groups": ()} if os.geteuid() == 0 else {}
+    try:
+        done = damage_command("study-tables", closed / "x.toml", closed / "x", **somebody)
+    finally:
+        closed.chmod(0o700)
+    if "Permission denied" in done.stderr and str(REPOSITORY) in done.stderr:
+        pytest.skip("the repository itself may not be read by others")
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith("error: ") and len(done.stderr.splitlines()) == 1, done.stderr
+
+
+def stand_in(folder, library, text):
+    """Options of a command in a folder in which a library is what `text` does."""
+    (folder / f"{library}.py").write_text(text)
+    path = os.pathsep.join([str(folder), str(REPOSITORY)])
+    return {"cwd": folder, "env": {**os.environ, "PYTHONPATH": path}}
+
+
+@pytest.mark.parametrize(
+    ("library", "template"),
+    [
+        ("numpy", "index x.h5"),
+        ("numba", "reference w.py"),
+        ("matplotlib", "plot H --out o"),
+        ("jinja2", "report H"),
+    ],
+)
+def test_a_missing_library_is_named(library, template, files, damage_command, tmp_path):
+    there = stand_in(tmp_path, library, f"raise ModuleNotFoundError('none here', name={library!r})")
+    done = damage_command(*filled(template, files), **there)
+    assert done.returncode == 3 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert (
+        f"cannot import {library}: expected Debian's package python3-{library}, or pip install"
+        in done.stderr
+    )
+
+
+@pytest.mark.parametrize(
+    ("library", "template"),
+    [
+        ("numpy", "index x.h5"),
+        ("numba", "reference w.py"),
+    ],
+)
+def test_an_interrupt_while_a_library_is_imported_is_quiet(
+    library, template, files, damage_command, tmp_path
+):
+    there = stand_in(
+        tmp_path,
+        library,
+        "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nprint('went on')\n",
+    )
+    done = damage_command(*filled(template, files), **there)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+def test_a_picture_where_the_home_folder_takes_no_cache_is_drawn_without_a_word_of_matplotlib(
+    tmp_path,
+):
+    (tmp_path / "file").touch()
+    odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), str(tmp_path / "file"))
+    done = run_command(
+        sys.executable,
+        "-m",
+        "damage",
+        "draw",
+        REPOSITORY / "walls/variants/small.py",
+        "--out",
+        "o.png",
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY), **odd},
+    )
+    assert done.returncode == 0 and (tmp_path / "o.png").is_file()
+    assert "atplotlib" not in done.stderr, done.stderr
+
+
+def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
+    """The folder beside the sources, the home folder's and numba's own are files."""
+    package, file = tmp_path / "damage", tmp_path / "file"
+    shutil.copytree(
+        REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data")
+    )
+    for path in (file, package / "mechanics" / "__pycache__"):
+        path.touch()
+    code = (
+        "import numba, os, damage.mechanics.step as k; print(k.__file__, numba.config.CACHE_DIR,"
+        " os.path.isdir(numba.config.CACHE_DIR))"
+    )
+    odd = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), str(file))
+    done = run_command(
+        sys.executable,
+        "-c",
+        code,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path), **odd},
+    )
+    assert done.returncode == 0, done.stderr
+    source, folder, there = done.stdout.split()
+    assert source.startswith(str(tmp_path)) and there == "True"
+    assert len(done.stderr.splitlines()) == 1 and "warning: no folder can be written" in done.stderr
+    assert not os.path.exists(folder)

@@ -9,7 +9,7 @@ from contextlib import suppress
 from types import SimpleNamespace
 
 import pytest
-from conftest import REPOSITORY, run_command, wall_file, written
+from conftest import run_command, wall_file, written
 
 from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
@@ -25,22 +25,6 @@ SMALL = "Wall('w', 0.45, 0.15)"
 
 def test_the_version_has_the_package_s_name(output_of):
     assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
-
-
-def test_no_command_writes_over_what_it_reads(tmp_path, error_of, still_history):
-    history = tmp_path / "run.h5"
-    history.write_bytes(still_history.path.read_bytes())
-    wall = wall_file(tmp_path / "w.py", SMALL)
-    for words in (
-        ("export", history, "--vtkhdf", history),
-        ("export", wall, "--opensees", wall),
-        ("tables", "summary", history, "--out", history),
-    ):
-        before = words[-1].read_bytes()
-        assert "expected another file" in error_of(*words)
-        assert words[-1].read_bytes() == before
-    symmetric = REPOSITORY / "walls/symmetric.py"
-    assert "the wall itself" in error_of("export", "symmetric", "--opensees", symmetric)
 
 
 def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):
@@ -97,7 +81,6 @@ def test_help_lists_all_commands_in_groups(capsys):
         sorted(set(listed)) == sorted({*COMMANDS, *PROGRAMS, "help"})
         and "other commands" not in shown
     )
-    assert main(["help", "indx"]) == 2 and "did you mean index?" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", [["--help"], ["record", "BGAR_HGE"]], ids=" ".join)
@@ -127,21 +110,8 @@ def test_what_is_sent_names_no_folder_of_this_machine(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path / "elsewhere")
     monkeypatch.setattr(pictures, "PICTURES", {"drift": pictures.drift_picture})  # one of six
     out = tmp_path / "a.h5"
-    assert (
-        main(
-            [
-                "--quiet",
-                "reference",
-                str(tmp_path / "w.py"),
-                "--record",
-                str(record),
-                "--rest",
-                "0",
-                f"--out={out}",
-            ]
-        )
-        == 0
-    )
+    words = f"--quiet reference {tmp_path}/w.py --record {record} --rest 0 --out={out}"
+    assert main(words.split()) == 0
     assert main(["tables", "run", str(out), "--out", str(tmp_path / "t")]) == 0
     assert main(["report", str(out)]) == 0
     made = [
