@@ -146,10 +146,7 @@ class TestParameters:
         "make",
         [
             lambda: Joint(compressive_strength=0.0),
-            lambda: Joint(compressive_strength=-1.0),
             lambda: Joint(compressive_fracture_energy=1e4),
-            lambda: Joint(compressive_strength=1e6, compressive_fracture_energy=-1.0),
-            lambda: Brick(tensile_strength=-1.0),
             lambda: Brick(fracture_energy=30.0),
         ],
     )

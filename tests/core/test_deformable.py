@@ -410,11 +410,6 @@ def check_stresses(history):
 
 def test_options_of_deformable_bricks_alone():
     assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_order=3)
-    assert "--brick-mass" in one_line_error(
-        ModelOptions, bricks="deformable", brick_mass=float("nan")
-    )
-    assert "--brick-damping" in one_line_error(ModelOptions, bricks="deformable", brick_damping=1.5)
-    assert "--brick-order" in one_line_error(ModelOptions, bricks="deformable", brick_order=4)
     assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
     soft = Wall("w", 0.9, 0.45, brick=Brick(shear_modulus=1e9))
     assert "Poisson's ratio" in one_line_error(lay_out, soft, ModelOptions(**DEFORMABLE))

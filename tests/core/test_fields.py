@@ -1,16 +1,26 @@
 """Fields that say their limits once: the check and its message, the schema of a wall, words in
 place of numbers."""
 
-from dataclasses import dataclass, fields
+import math
+import re
+from copy import copy
+from dataclasses import dataclass, fields, replace
 
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, refused_with
 
-from damage.fields import check_fields, choice, implausible_fields, quantity
+from damage.applications.groningen.exposure.lives import Choices
+from damage.fields import check_fields, choice, implausible_fields, option_of, quantity
+from damage.motion.loading import Harmonic, TopDisplacement
+from damage.run.settings import RunSettings
 from damage.wall.file import wall_schema
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
+from damage.wall.house import Corner, Diaphragm, House, Placed
+from damage.wall.lintels import Lintel
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
+from damage.wall.restraints import Restraint
+from damage.wall.ties import Ties
 
 
 @dataclass(frozen=True)
@@ -105,3 +115,59 @@ def test_the_schema_of_a_wall_has_what_its_fields_say():
         "lintel",
         "restraints",
     }
+
+
+WALL = Wall("w", 2.0, 1.0)
+RECORDS = [
+    Brick(),
+    Joint(),
+    Opening(0.5, 0.5, 0.5),
+    WALL,
+    Floor(1.0, 100.0),
+    Lintel(),
+    Restraint("top"),
+    Placed(WALL),
+    Corner(("w", "w")),
+    Diaphragm(0.5, ("w",), 100.0),
+    House("h", (Placed(WALL),)),
+    Ties(("w", "w"), 4.0, 1e6, 1e3, 1e3),
+    TopDisplacement((0.2,)),
+    ModelOptions(),
+    RunSettings(Harmonic(0.2, 0.05), ModelOptions()),
+    Choices(),
+]
+LIMITED = [
+    (record, one)
+    for record in RECORDS
+    for one in fields(record)
+    if one.metadata and (one.metadata["choices"] or one.metadata["unit"] is not None)
+]
+
+
+def within_and_beyond(limits):
+    """Values at the limits that a field's metadata say, and values just outside of them."""
+    if limits["choices"]:
+        return limits["choices"], ("nonsense",)
+    ends = [end for end in (limits["least"], limits["most"]) if end != math.inf]
+    step = limits["whole"] or None
+    beyond = [ends[0] - step if step else math.nextafter(ends[0], -math.inf), math.nan, math.inf]
+    beyond += [end + step if step else math.nextafter(end, math.inf) for end in ends[1:]]
+    return ends, beyond
+
+
+@pytest.mark.parametrize(
+    ("record", "one"), LIMITED, ids=[f"{type(of).__name__}.{one.name}" for of, one in LIMITED]
+)
+def test_every_field_is_held_to_its_limits(record, one):
+    """Of every record, as its own check refuses it; a limit itself passes."""
+    name = one.metadata["called"] or f"{type(record).__name__}.{one.name}"
+    if isinstance(record, ModelOptions | RunSettings):
+        name = option_of(one, unit=True)
+    within, beyond = within_and_beyond(one.metadata)
+    for value in within:
+        at_limit = copy(record)
+        vars(at_limit)[one.name] = value
+        check_fields(at_limit)
+    for value in beyond:
+        said = refused_with(re.escape(f"{name} = "), replace, record, **{one.name: value})
+        assert "expected" in said

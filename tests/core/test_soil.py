@@ -192,7 +192,6 @@ def test_drift_leaves_the_rocking_of_the_base_out(run_of):
         (["--soil", "soft"], "--soil soft: expected rigid"),
         (["--footing", "0.6"], "--footing = 0.6 without --soil"),
         (["--soil-velocity", "150"], "--soil-velocity = 150.0 without --soil"),
-        (["--soil", "1e8", "--soil-shear", "0"], "expected a number from 0.01 to 10"),
     ],
 )
 def test_bad_soil_is_one_line(words, said):
