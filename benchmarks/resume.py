@@ -22,7 +22,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks.kills import tables
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.outdated import Results
 
@@ -67,6 +66,11 @@ def main():
         f" {'equal' if equal else 'DIFFER'}"
     )
     return 0 if same and equal else 1
+
+
+def tables(folder):
+    """{name: content} of the tables of a study."""
+    return {path.name: path.read_bytes() for path in folder.glob("tables/*.csv")}
 
 
 def command(asked, out):

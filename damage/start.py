@@ -1,6 +1,6 @@
 # PYTHON_ARGCOMPLETE_OK
-"""How `python3 -m damage` begins and leaves: an interrupt at any time, a library that is missing,
-too little memory, or an output that takes nothing is one line at most.  Nothing is imported here
+"""How `python3 -m damage` begins and leaves: an interrupt, a library that is missing, too little
+memory, or an output that takes nothing is one line at most.  Nothing is imported here
 that takes time: before `begin` an interrupt is Python's."""
 
 import errno
@@ -27,32 +27,21 @@ def main():
 
 
 def begin(beside=0):
-    """Make interrupts quiet and a missing library one line, from now on; end where memory or an
-    output is missing.
+    """Make interrupts quiet and a missing library one line, from now on; end where memory is
+    missing.
 
     beside: address space that the program around this takes [bytes].
     """
-    signal.signal(signal.SIGINT, _interrupted)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.excepthook = _print_exception
-    # of a closed stream: the next file, as a history, would get it, and what is printed
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:
-            os.dup2(os.open(os.devnull, os.O_RDWR), number)
-    if sys.stderr is None:
-        sys.stderr = open(os.devnull, "w")  # noqa: SIM115
-    if sys.stdout is not None and (
-        sys.stdout.errors == "strict" or sys.stdout.encoding.lower() != "utf-8"
-    ):
+    # the next file, as a history, would get the number of a closed stream, and what is printed
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "r+"))  # noqa: SIM115
+    if sys.stdout.errors == "strict" or sys.stdout.encoding.lower() != "utf-8":
         # an old terminal lacks letters that names and help have
         sys.stdout.reconfigure(errors="replace")
-    closed = (
-        "standard output is closed: expected a file, a pipe or a screen; open it"
-        if sys.stdout is None
-        else None
-    )
-    missing = shortage(beside) or closed
+    missing = shortage(beside)
     if missing:
         print(f"error: {missing}", file=sys.stderr, flush=True)
         os._exit(EXIT_FAILED)
@@ -149,15 +138,6 @@ def missing_library(error):
         f"{sys.executable} cannot import {library}: expected Debian's package {debian}, or pip "
         f"install {pip}; with Debian's packages use /usr/bin/python3, as ./run_all.sh does"
     )
-
-
-def _interrupted(number, frame):
-    """Raise KeyboardInterrupt, but for imports: they would swallow it, or print it."""
-    while frame:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            os._exit(EXIT_INTERRUPTED)
-        frame = frame.f_back
-    raise KeyboardInterrupt
 
 
 def _print_exception(kind, error, trace):

@@ -602,13 +602,6 @@ def test_folders_that_may_not_be_read(damage_command, tmp_path):
     assert done.stderr.startswith("error: ") and len(done.stderr.splitlines()) == 1, done.stderr
 
 
-def stand_in(folder, library, text):
-    """Options of a command in a folder in which a library is what `text` does."""
-    (folder / f"{library}.py").write_text(text)
-    path = os.pathsep.join([str(folder), str(REPOSITORY)])
-    return {"cwd": folder, "env": {**os.environ, "PYTHONPATH": path}}
-
-
 @pytest.mark.parametrize(
     ("library", "template"),
     [
@@ -619,32 +612,16 @@ def stand_in(folder, library, text):
     ],
 )
 def test_a_missing_library_is_named(library, template, files, damage_command, tmp_path):
-    there = stand_in(tmp_path, library, f"raise ModuleNotFoundError('none here', name={library!r})")
-    done = damage_command(*filled(template, files), **there)
+    missing = f"raise ModuleNotFoundError('none here', name={library!r})"
+    written(tmp_path / f"{library}.py", missing)
+    path = os.pathsep.join([str(tmp_path), str(REPOSITORY)])
+    environment = {**os.environ, "PYTHONPATH": path}
+    done = damage_command(*filled(template, files), cwd=tmp_path, env=environment)
     assert done.returncode == 3 and len(done.stderr.splitlines()) == 1, done.stderr
     assert (
         f"cannot import {library}: expected Debian's package python3-{library}, or pip install"
         in done.stderr
     )
-
-
-@pytest.mark.parametrize(
-    ("library", "template"),
-    [
-        ("numpy", "index x.h5"),
-        ("numba", "reference w.py"),
-    ],
-)
-def test_an_interrupt_while_a_library_is_imported_is_quiet(
-    library, template, files, damage_command, tmp_path
-):
-    there = stand_in(
-        tmp_path,
-        library,
-        "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nprint('went on')\n",
-    )
-    done = damage_command(*filled(template, files), **there)
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
 def test_a_picture_where_the_home_folder_takes_no_cache_is_drawn_without_a_word_of_matplotlib(
