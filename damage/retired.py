@@ -27,6 +27,10 @@ RETIRED = {
         "--past-collapse went in 0.2; give --new-contacts with --after-fall, which follow bricks"
         " until they rest"
     ),
+    "opensees": Retired(
+        "--opensees of export went in 0.2; history.joints of a run has each contact point's bodies,"
+        " place, stiffnesses and strengths, docs/guides/other-programs.md what OpenSees calls them"
+    ),
 }
 """{name without dashes before it, words joined by dashes: Retired}."""
 

@@ -65,7 +65,7 @@ def _materials(asked):
     examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"),
 )
 def _modes(asked):
-    layout = lay_out(plausible_wall(asked, asked.wall), model_of(asked))
+    layout = lay_out(_plausible_wall(asked), model_of(asked))
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.preview import modes_picture
@@ -120,7 +120,7 @@ def _draw(asked):
             check_plausible(wall)
         figure = house_preview(lay_out_house(wall, model_of(asked)))
     else:
-        wall = plausible_wall(asked, asked.wall)
+        wall = _plausible_wall(asked)
         layout = lay_out(wall, model_of(asked))
         supports = tuple(zip(layout.supports.left, layout.supports.right))
         figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
@@ -128,10 +128,10 @@ def _draw(asked):
     print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), made))
 
 
-def plausible_wall(asked, path):
-    """The wall of a file, or of a name, in the units that are asked for, its values checked unless
-    a command's options accept all."""
-    wall = in_units(load_wall(path), getattr(asked, "units", (1, 1)))
+def _plausible_wall(asked):
+    """Return the wall of a file, or of a name, in the units that are asked for, its values checked
+    unless a command's options accept all."""
+    wall = in_units(load_wall(asked.wall), asked.units)
     if not asked.accept_implausible:
         check_plausible(wall)
     plan = plan_of(wall)

@@ -191,8 +191,6 @@ COMMANDS = {
     "no\x1bsuch": "\\x1b",
     "index x.h5 --a\x9b2J": "\\x9b",
     "export H --vtkhdf H": "expected another file",
-    "export W --opensees W": "expected another file",
-    "export symmetric --opensees walls/symmetric.py": "the wall itself",
     "tables summary H --out H": "expected another file",
 }
 """{words of a command, with a history H and a wall W: complaint}"""

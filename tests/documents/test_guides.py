@@ -149,11 +149,6 @@ def test_a_wall_that_was_cracked_before(clone):
 
 
 @pytest.mark.long
-def test_a_wall_for_other_programs(clone):
-    assert follow("other-programs", clone).split() == ["opensees_symmetric.py"]
-
-
-@pytest.mark.long
 @pytest.mark.yade
 def test_a_house(clone, yade_command):
     output = follow("house", clone)
@@ -264,7 +259,6 @@ def test_every_guide_is_followed_or_has_nothing_to_follow():
         "house",
         "tested-wall",
         "yade-users",
-        "other-programs",
         "from-pip",
     }  # the last in test_from_pip.py
     for path in GUIDES.glob("*.md"):

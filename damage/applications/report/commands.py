@@ -1,26 +1,13 @@
 """Commands that report a run, or write it for other programs; the first run with its report."""
 
-from dataclasses import fields
 from pathlib import Path
 
 from damage.applications.studies.commands import WRITERS
-from damage.arguments import WALLS_ARE_CODE, arg, file_arg, flag, group, number_from
+from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import HISTORY, command, extend, out, output, tables
-from damage.commands.walls import plausible_wall
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.run.options import ACCEPTING, model_arguments, model_of
 from damage.start import missing_library
-from damage.wall.file import wall_path
-from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-
-MODEL = tuple(
-    one.name
-    for one in fields(ModelOptions)
-    if one.name not in ("fibres", "brick_order", "plane", "brick_mass", "brick_damping")
-)
-"""Options of a wall's model that export offers; the others are of what it cannot write."""
 
 
 @command(
@@ -96,63 +83,22 @@ def _animate(asked):
 
 
 @command(
-    "a history for ParaView, or a wall for OpenSees",
-    file_arg(
-        "source",
-        "FILE.h5|WALL",
-        f"a history, or a wall file or the name of a wall that ships. {WALLS_ARE_CODE}",
-    ),
-    group("the model of a wall", *model_arguments(*MODEL), ACCEPTING),
+    "a history for ParaView",
+    HISTORY,
     output(
         file_arg(
             "--vtkhdf",
             "FILE.vtkhdf",
-            "of a history: one file with all samples, for ParaView 5.12 or newer",
-        ),
-        file_arg(
-            "--opensees", "FILE.py", "of a wall: a model with interface elements for OpenSeesPy"
-        ),
+            "one file with all samples, for ParaView 5.12 or newer",
+            required=True,
+        )
     ),
-    examples=(
-        "run.h5 --vtkhdf run.vtkhdf",
-        "symmetric --contacts corners --opensees model.py",
-    ),
+    examples=("run.h5 --vtkhdf run.vtkhdf", "house.h5 --vtkhdf house.vtkhdf"),
 )
 def _export(asked):
-    if not asked.vtkhdf and not asked.opensees:
-        raise InputError(
-            "export without a format: expected --vtkhdf FILE.vtkhdf of a history, or --opensees"
-            " FILE.py of a wall; give one"
-        )
-    if asked.vtkhdf and (asked.opensees or model_of(asked) != ModelOptions()):
-        raise InputError(
-            f"export of {asked.source} with options of a wall's model, or a format of walls:"
-            " expected them for a wall only; leave them out"
-        )
-    print(_export_wall(asked) if asked.opensees else _export_history(asked))
-
-
-def _export_history(asked):
     from damage.applications.report.vtkhdf import write_vtkhdf
 
-    return write_vtkhdf(read_history(asked.source), asked.vtkhdf)
-
-
-def _export_wall(asked):
-    from damage.applications.report.opensees import write_opensees
-
-    if asked.source.suffix.lower() == ".h5" or asked.source.is_dir():
-        raise InputError(
-            f"export of {asked.source} for OpenSees: expected a wall file, or the name of a wall"
-            " that ships; give the wall that was run"
-        )
-    if wall_path(asked.source).resolve() == asked.opensees.resolve():
-        raise InputError(
-            f"--opensees {asked.opensees} is the wall itself; expected another file for the model;"
-            " choose another name"
-        )
-    layout = lay_out(plausible_wall(asked, asked.source), model_of(asked))
-    return write_opensees(layout, asked.opensees)
+    print(write_vtkhdf(read_history(asked.history), asked.vtkhdf))
 
 
 @command(
