@@ -1,6 +1,5 @@
 """Columns of the tables of studies and of fragility, for the data dictionary."""
 
-from damage.applications.studies.fragility import OVER
 from damage.applications.studies.states import INTENSITIES, LEVELS, unit_of
 from damage.history.schema import Column, each
 from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS, RUN
@@ -72,28 +71,23 @@ FRAGILITY = {
         for name, unit in UNITS.items()
     },
     **{
-        f"median_{over}_{end}_{name}": Column(
-            unit, f"{words} bound of the median, {over} drawn anew"
+        f"median_both_{end}_{name}": Column(
+            unit, f"{words} bound of the median, strengths and records drawn anew"
         )
-        for over in OVER
         for end, words in ENDS
         for name, unit in UNITS.items()
     },
     **{
-        f"dispersion_{over}_{end}": Column(
-            "1", f"{words} bound of the dispersion, {over} drawn anew"
+        f"dispersion_both_{end}": Column(
+            "1", f"{words} bound of the dispersion, strengths and records drawn anew"
         )
-        for over in OVER
         for end, words in ENDS
     },
-    **{
-        f"fitted_{over}": Column(
-            "1",
-            f"bootstrap samples that determine a curve, {over} drawn anew; the others count "
-            "as beyond the bounds, which are empty where 5 % or more do",
-        )
-        for over in OVER
-    },
+    "fitted_both": Column(
+        "1",
+        "bootstrap samples that determine a curve; the others count as beyond the bounds, "
+        "which are empty where 5 % or more do",
+    ),
     **{
         f"median_new_record_{end}_{name}": Column(
             unit, f"{words} bound of a new record's own median"

@@ -6,11 +6,10 @@ number of runs that exceed the level at each intensity: J. W. Baker (2015), Effi
 fragility function fitting
 using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation
 (11).  It is the mean over the records.  Its bounds are percentiles over bootstrap samples, drawn
-anew with replacement, of the draws of the joints' strengths of one wall ("walls"), of the records,
-or of both, each with all its runs.  Those over draws leave other earthquakes out; of few records
-those over records are themselves uncertain.  Samples drawn from few scatter less than new ones
-would, so they are stretched about the fit (`stretch`).  The interval for the curve of a new record
-is wider: `damage.applications.studies.new_record`.
+anew with replacement, of the records and of the draws of the joints' strengths of one wall, each
+with all its runs; there are none of a single record or draw.  Samples drawn from few scatter less
+than new ones would, so they are stretched about the fit (`stretch`).  The interval for the curve of
+a new record is wider: `damage.applications.studies.new_record`.
 
 A curve is given only where the runs determine it (`solve`).  The same holds for every bootstrap
 sample.  A sample that determines none is not left out, since an interval of the others alone would
@@ -47,8 +46,6 @@ from damage.applications.studies.states import (
 from damage.errors import InputError
 from damage.wall.model_options import USUAL_MODEL
 
-OVER = ("walls", "records", "both")
-"""What bootstrap samples draw anew."""
 FEW_RECORDS = 10
 """Fewer are said to be few: 10 to 20 usually serve, D. Vamvatsikos, C. A. Cornell (2002),
 doi:10.1002/eqe.141."""
@@ -83,14 +80,13 @@ class Fragility:
 
     intensity: a column of summary.csv, in the unit of which all intensities are; median, dispersion
     [-]: NaN where the runs determine no curve, why: the reason; n_runs, n_exceeding, n_records;
-    n_walls: draws of the wall's strengths; replicates: by a name of OVER (n_replicates, 2) medians
-    and dispersions of the bootstrap samples.  Of a sample that determines none the dispersion is
-    NaN, the median infinite,
-    0 or NaN where it lies above all intensities of the runs, below, or is not known. step: two
-    intensities where up to one no run exceeds the level and from the other on all do, with one
-    other at most between them; the data then give no dispersion (it is 0), and bound the median by
-    the two.  None where there are none.  name: of the damage state, "" for the condition.  stripes:
-    what `new_record` takes, None where unknown."""
+    n_walls: draws of the wall's strengths; samples: medians and dispersions (n, 2) of the bootstrap
+    samples, n_replicates or none.  Of a sample that determines none the dispersion is NaN, the
+    median infinite, 0 or NaN where it lies above all intensities of the runs, below, or is not
+    known.  step: two intensities where up to one no run exceeds the level and from the other on all
+    do, with one other at most between them; the data then give no dispersion (it is 0), and bound
+    the median by the two.  None where there are none.  name: of the damage state, "" for the
+    condition.  stripes: what `new_record` takes, None where unknown."""
 
     measure: str
     level: float
@@ -98,7 +94,7 @@ class Fragility:
     dispersion: float
     n_runs: int
     n_exceeding: int
-    replicates: dict[str, np.ndarray]
+    samples: np.ndarray
     n_replicates: int
     n_records: int
     n_walls: int
@@ -123,67 +119,58 @@ class Fragility:
         """P(measure > level) at intensities of any shape."""
         return curve(intensity, self.median, self.dispersion)
 
-    def bounds(self, intensity, over="walls"):
-        """Lower and upper bound of the probability at intensities (n,), (2, n); over: a name of
-        OVER.
+    def bounds(self, intensity):
+        """Return the lower and upper bound of the probability at intensities (n,), (2, n).
 
         None where nothing can be resampled, a single wall or record, and where the runs, or too
         many of the samples, determine no curve.
         """
-        x, (medians, dispersions) = np.asarray(intensity, float), self._samples(over).T
-        step = [curve(x, end, 0.0) for end in self.step[::-1]] if self.step else None
-        if step and over == "walls":
-            return np.array(step)  # walls that are drawn all turn between its ends
+        x = np.asarray(intensity, float)
+        medians, dispersions = self._stretched().T
         known = np.isfinite(dispersions)
         curves = curve(x[None, :], medians[known, None], dispersions[known, None])
         unknown = np.full((np.count_nonzero(~known), len(x)), np.inf)
         low, high = _interval(np.vstack([curves, -unknown]), np.vstack([curves, unknown]))
         if np.isnan([low, high]).any():
             return None
-        return np.array(
-            [np.minimum(low, step[0]), np.maximum(high, step[1])] if step else [low, high]
-        )
+        if self.step:
+            low = np.minimum(low, curve(x, self.step[1], 0.0))
+            high = np.maximum(high, curve(x, self.step[0], 0.0))
+        return np.array([low, high])
 
-    def median_bounds(self, over="walls"):
-        """Lower and upper bound of (median, dispersion), (2, 2), NaN where there are none."""
-        if self.step and over == "walls":
-            return np.array([[end, np.nan] for end in self.step])
-        samples = self._samples(over)
+    def median_bounds(self):
+        """Return the lower and upper bound of (median, dispersion), (2, 2), NaN where there are
+        none."""
+        samples = self._stretched()
         least = np.where(np.isnan(samples) | (samples == 0) & [True, False], -np.inf, samples)
         low, high = _interval(least, np.where(np.isnan(samples), np.inf, samples))
         if self.step:
             low[0], high[0] = np.minimum(low[0], self.step[0]), np.maximum(high[0], self.step[1])
         return np.array([low, high])
 
-    def _samples(self, over):
-        """Medians and dispersions (n, 2) of the bootstrap samples, stretched about the fit; none
-        where there is no fit."""
-        samples = self.replicates.get(over, np.zeros((0, 2)))
+    def _stretched(self):
+        """Return medians and dispersions (n, 2) of the bootstrap samples, stretched about the fit;
+        none where there is no fit."""
+        samples = self.samples
         if len(samples) == 0 or not np.isfinite(self.median):
             return np.zeros((0, 2))
-        drawn = {"walls": self.n_walls, "records": self.n_records}.get(
-            over, min(self.n_walls, self.n_records)
-        )
         fit = np.array([self.median, self.dispersion])
+        fewest = min(self.n_walls, self.n_records)
         with np.errstate(divide="ignore", invalid="ignore"):
-            stretched = fit * (samples / fit) ** stretch(drawn)
+            stretched = fit * (samples / fit) ** stretch(fewest)
         return np.where((samples > 0) & (fit > 0), stretched, samples)
 
-    def _determined(self, over):
-        """Number of the bootstrap samples that determine a curve."""
-        return int(np.isfinite(self.replicates[over][:, 1]).sum()) if over in self.replicates else 0
+    def _determined(self):
+        """Return the number of the bootstrap samples that determine a curve."""
+        return int(np.isfinite(self.samples[:, 1]).sum())
 
     def notes(self):
         """Lines on what the runs, or bootstrap samples, do not determine."""
         if self.why:
             return [f"{self.state}: no curve, {self.why}"]
-        if (
-            self.n_replicates < 2
-            or "both" not in self.replicates
-            or np.isfinite(self.median_bounds("both")).all()
-        ):
+        if len(self.samples) < 2 or np.isfinite(self.median_bounds()).all():
             return []
-        lost = self.n_replicates - self._determined("both")
+        lost = self.n_replicates - self._determined()
         return [
             f"{self.state}: {lost} of {self.n_replicates} bootstrap samples determine no curve and"
             " count as beyond the bounds of the mean curve: where 5 % or more do, a bound is"
@@ -205,19 +192,16 @@ class Fragility:
             "dispersion": self.dispersion,
             "undetermined": self.why,
         }
-        for over in OVER:
-            (low, least), (high, largest) = self.median_bounds(over)
-            row |= {
-                named(f"median_{over}_low"): low,
-                named(f"median_{over}_high"): high,
-                f"dispersion_{over}_low": least,
-                f"dispersion_{over}_high": largest,
-                f"fitted_{over}": self._determined(over),
-            }
-        low, high = self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
+        (low, least), (high, largest) = self.median_bounds()
+        new_low, new_high = self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
         return row | {
-            named("median_new_record_low"): low,
-            named("median_new_record_high"): high,
+            named("median_both_low"): low,
+            named("median_both_high"): high,
+            "dispersion_both_low": least,
+            "dispersion_both_high": largest,
+            "fitted_both": self._determined(),
+            named("median_new_record_low"): new_low,
+            named("median_new_record_high"): new_high,
             "confidence": CONFIDENCE,
             "replicates": self.n_replicates,
         }
@@ -360,14 +344,12 @@ def exceeding(runs, measure, level):
     return (runs[measure] > level) | runs["collapsed_at_s"].notna()
 
 
-def fragility(
-    runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, over=OVER, name=""
-):
+def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, name=""):
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every
     level.
 
-    Draws of the wall differ by `strength_seed`; intensity: None for the first that they have; over:
-    names of OVER of what is drawn anew; name: of the damage state.
+    Draws of the wall differ by `strength_seed`; intensity: None for the first that they have;
+    replicates: number of bootstrap samples; seed: of their draws; name: of the damage state.
     """
     intensity = intensity or leading(runs)
     exceeds = exceeding(runs, measure, level)
@@ -381,19 +363,13 @@ def fragility(
     counts = np.zeros((2, *sizes, len(values)))
     np.add.at(counts[0], (wall, record, place), 1)
     np.add.at(counts[1], (wall, record, place), exceeds.to_numpy(float))
-    found = {}
-    for kind in over:
-        # so that "both" has either's draws
-        random = [np.random.default_rng((seed, number)) for number in range(2)]
-        drawn = [kind in (one, "both") and size > 1 for one, size in zip(OVER, sizes)]
-        if not any(drawn) or (kind == "both" and not all(drawn)):
-            continue
-        fits = [
-            solve(values, *_drawn(counts, sizes, drawn, random)[::-1]) for _ in range(replicates)
-        ]
-        found[kind] = np.array([_SIDES[one.side] if one.why else one[:2] for one in fits]).reshape(
-            -1, 2
-        )
+    # of walls, and of records
+    random = [np.random.default_rng((seed, number)) for number in range(2)]
+    fits = [
+        solve(values, *_drawn(counts, sizes, random)[::-1])
+        for _ in range(replicates if min(sizes) > 1 else 0)
+    ]
+    samples = np.array([_SIDES[one.side] if one.why else one[:2] for one in fits]).reshape(-1, 2)
     n, y = counts.sum(axis=(1, 2))
     median, dispersion, why, _ = solve(values, y, n)
     return Fragility(
@@ -403,7 +379,7 @@ def fragility(
         dispersion,
         len(runs),
         int(exceeds.sum()),
-        found,
+        samples,
         replicates,
         len(known),
         len(walls),
@@ -415,12 +391,12 @@ def fragility(
     )
 
 
-def _drawn(counts, sizes, drawn, random):
-    """Numbers of runs and of those that exceed, by intensity, of a bootstrap sample of walls,
-    records or both."""
+def _drawn(counts, sizes, random):
+    """Return the numbers of runs and of those that exceed, by intensity, of a bootstrap sample of
+    walls and records."""
     walls, records = (
-        np.bincount(one.integers(size, size=size), minlength=size) if anew else np.ones(size)
-        for one, size, anew in zip(random, sizes, drawn)
+        np.bincount(one.integers(size, size=size), minlength=size)
+        for one, size in zip(random, sizes)
     )
     return np.einsum("kwri,w,r->ki", counts, walls, records)
 
@@ -553,7 +529,7 @@ def in_words(fits):
                 "step" if one.step else f"{one.dispersion:.2f}" if np.isfinite(one.median) else "-"
             )
             new = one.new_record.median_bounds() if one.new_record else (np.nan, np.nan)
-            mean = one.median_bounds("both")[:, 0]
+            mean = one.median_bounds()[:, 0]
             lines.append(
                 f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10}"
                 f" {_span(mean):>16} {_span(new):>16}"
@@ -574,7 +550,7 @@ def at_intensities(fits, values):
     record's own probability."""
     rows, unknown = [], (np.nan, np.nan)
     for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
-        mean, new = one.bounds(values, "both"), one.new_record
+        mean, new = one.bounds(values), one.new_record
         for place, value in enumerate(values):
             low, high = unknown if mean is None else mean[:, place]
             new_low, new_high = new.bounds([value])[:, 0] if new else unknown

@@ -23,11 +23,9 @@ _MOST_PANELS = 3
 """In a row."""
 _BANDS = {
     "new record": (0.13, "interval of a new record's own curve"),
-    "both": (0.35, "interval of the mean curve, strengths and records drawn anew"),
-    "walls": (0.35, "interval of the mean curve, strengths drawn anew, records held"),
+    "mean curve": (0.35, "interval of the mean curve, strengths and records drawn anew"),
 }
-"""What lies in a band: how dark, in words; the wider one first.  That over walls is drawn where
-there is one record."""
+"""What lies in a band: how dark, in words; the wider one first."""
 MOST_NAMED = 9
 """Records that a heading names one by one."""
 STYLES = (
@@ -146,11 +144,10 @@ def draw_shares(ax, exceed, intensity, style):
 
 def _bands(one, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that there are."""
-    new, both = one.new_record, one.bounds(x, "both")
+    new = one.new_record
     found = {
         "new record": new.bounds(x) if new else None,
-        "both": both,
-        "walls": one.bounds(x) if one.n_records == 1 else None,
+        "mean curve": one.bounds(x),
     }
     return {kind: bounds for kind, bounds in found.items() if bounds is not None}
 

@@ -50,7 +50,7 @@ def made(level, median, dispersion, intensity="pga_g", step=None, why=""):
         dispersion,
         n_runs=100,
         n_exceeding=50,
-        replicates={},
+        samples=np.zeros((0, 2)),
         n_replicates=0,
         n_records=5,
         n_walls=20,

@@ -6,11 +6,12 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
 from scipy.stats import binom
 from scipy.stats import t as student
 
 from damage.applications.studies.fragility import (
+    Fragility,
     curve,
     fit_all,
     fragility,
@@ -106,12 +107,12 @@ class TestFit:
 
     def test_a_step_bounds_the_median_by_its_ends_whatever_is_drawn(self):
         assert_allclose(fit([0.1, 0.2, 0.4], [0, 5, 5], [5, 5, 5]), (0.02**0.5, 0))
-        runs = walls(6, seed=1)
+        runs = pd.concat([walls(6, seed=1), walls(6, seed=1).assign(record="s")])
         runs["max_psi"] = np.where(runs["pga_g"] > 0.22, 3.0, 0.0)
         found = fragility(runs, "max_psi", 2.0, replicates=20)
         row = found.row()
         assert_allclose(
-            [row["median_walls_low_g"], row["median_walls_high_g"], row["dispersion"]],
+            [row["median_both_low_g"], row["median_both_high_g"], row["dispersion"]],
             [0.2, 0.25, 0],
         )
         assert_allclose(found.bounds([0.19, 0.21, 0.3]), [[0, 0, 1], [0, 1, 1]])
@@ -140,15 +141,8 @@ class TestFit:
         assert fragility(runs, "max_psi", 2.0, replicates=0).n_exceeding == len(runs)
 
 
-@pytest.mark.parametrize(
-    ("over", "study"),
-    [
-        ("walls", lambda seed: walls(25, seed).assign(max_DI=lambda runs: runs["max_DI"] * 2)),
-        ("records", lambda seed: recorded(10, 0.4, seed, n_walls=6, levels=8)),
-        ("both", lambda seed: recorded(8, 0.4, seed, n_walls=3, levels=8)),
-    ],
-)
-def test_intervals_of_the_median_cover_the_known_one(over, study):
+@pytest.mark.parametrize(("n_records", "n_walls"), [(5, 5), (8, 3)])
+def test_intervals_of_the_median_cover_the_known_one(n_records, n_walls):
     """Over 40 studies with a median of 0.2 g; numbers outside occur in one of 500 such tests.
     Percentiles of few samples lie further in than those of many: between 40, at ranks 2.95 and
     38.05, are 0.856 of a distribution, and not 0.90."""
@@ -156,9 +150,9 @@ def test_intervals_of_the_median_cover_the_known_one(over, study):
     outside = 2 * (1 + 0.05 * (samples - 1)) / (samples + 1)
     bounds = np.array(
         [
-            fragility(study(seed), "max_DI", 0.1, "pga_g", samples, over=(over,)).median_bounds(
-                over
-            )[:, 0]
+            fragility(
+                recorded(n_records, 0.4, seed, n_walls, levels=8), "max_DI", 0.1, "pga_g", samples
+            ).median_bounds()[:, 0]
             for seed in range(studies)
         ]
     )
@@ -166,6 +160,30 @@ def test_intervals_of_the_median_cover_the_known_one(over, study):
     least, most = binom.ppf((0.001, 0.999), studies, outside)
     assert least <= above + below <= most
     assert max(above, below) <= binom.ppf(0.999, studies, outside / 2)
+
+
+@pytest.mark.parametrize(("n_records", "n_walls"), [(5, 12), (12, 5)])
+def test_bounds_of_a_mean_of_five_are_students(n_records, n_walls):
+    """Resampled means of five logarithms scatter by sqrt(4 / 5) of their standard error, 0.1;
+    Student's interval has that error and the quantile of four degrees of freedom."""
+    shares = (np.arange(2000) + 0.5) / 2000
+    medians = MEDIAN_G * np.exp(0.1 * np.sqrt(4 / 5) * ndtri(shares))
+    samples = np.column_stack([medians, np.full(2000, DISPERSION)])
+    one = Fragility(
+        "max_DI",
+        0.1,
+        MEDIAN_G,
+        DISPERSION,
+        n_runs=100,
+        n_exceeding=50,
+        samples=samples,
+        n_replicates=2000,
+        n_records=n_records,
+        n_walls=n_walls,
+        intensity="pga_g",
+    )
+    half = 0.1 * student.ppf(0.95, 4)
+    assert_allclose(np.log(one.median_bounds()[:, 0] / MEDIAN_G), (-half, half), rtol=0.01)
 
 
 class TestUndetermined:
@@ -267,10 +285,10 @@ class TestUndetermined:
         runs["pga_g"] = (runs["pga_g"] / (1 + 0.01 * runs["record"].str[1:].astype(int))).round(9)
         runs.loc[runs["record"] == "r2", "max_DI"] = 0.0
         one = fragility(runs, "max_DI", 0.25, "pga_g", replicates=200)
-        low, high = one.median_bounds("both")[:, 0]
-        above = np.isinf(one.replicates["both"][:, 0]).sum()
+        low, high = one.median_bounds()[:, 0]
+        above = np.isinf(one.samples[:, 0]).sum()
         assert above > 10 and low < one.median < 0.8 and np.isnan(high)
-        assert one.bounds([0.2], "both") is None and one.row()["fitted_both"] == 200 - above
+        assert one.bounds([0.2]) is None and one.row()["fitted_both"] == 200 - above
         assert f"{above} of 200 bootstrap samples determine no curve" in in_words({"w": [one]})
 
 
@@ -325,10 +343,10 @@ class TestNewRecord:
         held = {"new record": [], "mean": []}
         for seed in range(30):
             runs = recorded(5, 0.3, seed, n_walls=5)
-            one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20, over=("records",))
+            one = fragility(runs, "max_DI", 0.1, "pga_g", replicates=20)
             for name, (low, high) in (
                 ("new record", one.new_record.median_bounds()),
-                ("mean", one.median_bounds("records")[:, 0]),
+                ("mean", one.median_bounds()[:, 0]),
             ):
                 z = np.log(np.array([low, high]) / 0.2) / 0.3  # DI = 0.1 at a harm of 0.2 g
                 held[name].append(np.diff(ndtr(z))[0])
