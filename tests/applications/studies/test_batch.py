@@ -8,7 +8,6 @@ import io
 import os
 import signal
 import subprocess
-import sys
 import time
 from contextlib import redirect_stderr, redirect_stdout
 from types import SimpleNamespace
@@ -20,9 +19,7 @@ from conftest import (
     BATCH_ENVIRONMENT,
     REPOSITORY,
     TINY,
-    is_running,
     refused_with,
-    run_command,
     wait_until,
     wall_file,
     written,
@@ -39,7 +36,6 @@ from damage.applications.studies.outdated import Results
 from damage.applications.studies.pool import Pool
 from damage.applications.studies.records import NAME, read_records
 from damage.applications.studies.tasks import CHANGED, Task
-from damage.applications.studies.worker import changes
 from damage.errors import InputError
 from damage.history.reader import read_history
 
@@ -57,6 +53,14 @@ id = "alone"
 wall = "tiny.py"
 options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
 """
+
+
+def study_here(*words):
+    """What a batch says and how it ends, in this process."""
+    printed, errors = io.StringIO(), io.StringIO()
+    with redirect_stdout(printed), redirect_stderr(errors):
+        status = main(["study", *words])
+    return SimpleNamespace(returncode=status, stdout=printed.getvalue(), stderr=errors.getvalue())
 
 
 class Batches:
@@ -81,12 +85,7 @@ class Batches:
 
     def run(self, study, *words, out=None):
         """As `start`, in this process."""
-        printed, errors = io.StringIO(), io.StringIO()
-        with redirect_stdout(printed), redirect_stderr(errors):
-            status = main(["study", str(study), "-j2", "--out", str(out or self.out), *words])
-        return SimpleNamespace(
-            returncode=status, stdout=printed.getvalue(), stderr=errors.getvalue()
-        )
+        return study_here(str(study), "-j2", "--out", str(out or self.out), *words)
 
     def members(self):
         return sorted(path for path in (self.out / "runs").glob("*_s?.h5"))
@@ -220,13 +219,12 @@ class TestBatch:
         assert set(shocks["run"]) == {"alone_reference"} and len(shocks) == 2
 
     def test_slices_by_themselves_then_the_whole(self, batches, drawn):
-        """As an array of jobs of a cluster: two at once, then a call that makes the tables."""
+        """As an array of jobs of a cluster, then a call that makes the tables."""
         study = batches.study(DRAWN % 4)
-        slices = [batches.start(study, "--slice", f"{k}/2") for k in (1, 2)]
-        for one in slices:
-            printed, errors = one.communicate(timeout=300)
-            assert one.returncode == 0, errors
-            assert "1 of 1 points done" in printed and "tables:" not in printed
+        for k in (1, 2):
+            done = batches.run(study, "--slice", f"{k}/2")
+            assert done.returncode == 0, done.stderr
+            assert "1 of 1 points done" in done.stdout and "tables:" not in done.stdout
         assert sorted(path.name for path in batches.out.glob("records*")) == [
             "records-1-of-2.jsonl",
             "records-2-of-2.jsonl",
@@ -234,25 +232,8 @@ class TestBatch:
         histories = batches.checksums()
         done = batches.run(study)
         assert done.returncode == 0 and "started" not in done.stdout, done.stderr
-        assert [path.name for path in batches.out.glob("records*")] == [
-            NAME
-        ] and batches.checksums() == histories
-        assert batches.tables() == drawn.tables()
-
-    def test_a_failing_member_stops_no_other_point_and_is_named(self, batches):
-        # A step above the stable one is refused when the member starts.
-        bad = (
-            '[[runs]]\nid = "bad"\nwall = "tiny.py"\noptions = { rest = 0, dt = 0.1 }\nmembers'
-            " = 2\n"
-        )
-        done = batches.run(batches.study(POINTS % "0.01" + bad))
-        assert done.returncode == 1
-        log = batches.out / "logs" / "reference.log"
-        assert (
-            f"failed: bad_reference; see {log} (error: bad_reference_s1: --dt 0.1 s is above"
-            in done.stderr
-        )
-        assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["amplitude_g"]) == [0.01]
+        assert [path.name for path in batches.out.glob("records*")] == [NAME]
+        assert batches.checksums() == histories and batches.tables() == drawn.tables()
 
 
 class TestPool:
@@ -344,56 +325,6 @@ class TestPool:
         ] and "p2_reference: FAILED" in lines
         assert "its process was ended twice (SIGKILL)" in one.failed[0].log.read_text()
 
-    def test_a_process_that_an_interrupt_finds_between_two_runs_is_interrupted_in_the_next(
-        self, pool, tmp_path
-    ):
-        def work(connection, *_):
-            """Deaf until its run has begun."""
-            task = connection.recv()
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
-            signal.signal(signal.SIGTERM, lambda *_: None)
-            os.kill(os.getppid(), signal.SIGTERM)
-            time.sleep(0.2)
-            signal.pthread_sigmask(signal.SIG_BLOCK, signals)
-            came = signal.sigtimedwait(signals, 30)
-            connection.send((task, 130 if came else 0, {}))
-
-        signals = [signal.SIGTERM]
-        one, _ = pool(work, jobs=1)
-        one.run(self.tasks(tmp_path, 1))
-        assert one.interrupted and one.n_lost == 1
-
-    def test_a_process_ends_with_the_batch_that_is_killed_while_it_concludes(
-        self, pool, tmp_path, monkeypatch
-    ):
-        """A polite signal would be noted for runs that have ended, and dropped."""
-        (tmp_path / "runs").mkdir()
-        (task,) = self.tasks(tmp_path, 1)
-        make_history(task.history)
-        batch = os.fork()
-        if not batch:
-            signal.alarm(300)  # it must not be waited for longer
-
-            def conclude(*_):
-                (tmp_path / "pid").write_text(str(os.getpid()))
-                parent = os.getppid()
-                os.kill(parent, signal.SIGKILL)
-                wait_until(lambda: os.getppid() != parent)
-                return 0, {"run": task.name}
-
-            monkeypatch.setattr(worker, "conclude", conclude)
-            try:
-                pool(worker.work, jobs=1)[0].run([task])
-            finally:
-                os._exit(1)
-        assert os.WIFSIGNALED(os.waitpid(batch, 0)[1])
-        left = int((tmp_path / "pid").read_text())
-        try:
-            wait_until(lambda: not is_running(left), at_most_s=10)
-        finally:
-            if is_running(left):
-                os.kill(left, signal.SIGKILL)
-
 
 class TestFolder:
     def study(self, tmp_path):
@@ -482,20 +413,6 @@ class TestInputsThatChange:
         wall_file(wall, TINY)
         assert command.run_study(words) == 0 and len(read_records(batches.out).runs) == 4
 
-    @pytest.mark.slow
-    def test_slices_of_other_inputs_do_not_become_part_of_a_study(self, batches, capfd):
-        """Whose jobs begin when the cluster has room."""
-        study, wall = batches.study(DRAWN % 3), batches.folder / "tiny.py"
-
-        wall_file(wall, TINY.replace("0.6", "0.45"))
-        assert batches.run(study, "--slice", "1/1").returncode == 0
-        before = {name: one["inputs"] for name, one in read_records(batches.out).runs.items()}
-        wall_file(wall, TINY)
-        assert command.run_study([str(study), "--out", str(batches.out)]) == 0
-        assert "2 points were made from other inputs" in capfd.readouterr().err
-        now = {name: one["inputs"] for name, one in read_records(batches.out).runs.items()}
-        assert now.keys() == before.keys() and not set(now.values()) & set(before.values())
-
     def test_yade_reads_by_itself_and_is_compared_by_the_wall_of_its_history(
         self, tmp_path, monkeypatch
     ):
@@ -519,33 +436,6 @@ class TestInputsThatChange:
             CHANGED,
             ["wall.height 0.6 -> 0.45"],
         ) and sent == ["ran"]
-
-    def test_a_module_that_the_wall_imports_is_compared_as_the_solver_has_read_it(
-        self, tmp_path, monkeypatch
-    ):
-        """The process that compares has imported it before, and would find no difference."""
-        sizes = written(tmp_path / "sizes.py", "HEIGHT = 0.6\n")
-        wall = written(
-            tmp_path / "tiny.py",
-            f"import sys\n\nsys.path.insert(0, {str(tmp_path)!r})\nimport sizes\nfrom damage import"
-            " Wall\n\n\ndef wall():\n    return Wall('tiny', 0.45, sizes.HEIGHT)\n",
-        )
-        run = StudyRun("p", str(wall), (("harmonic", (0.1, 0.5)),), "yade")
-        task, words = Task(tmp_path, run, 1, True), ["--harmonic", "0.1", "0.01", "--cycles", "1"]
-        note = {run.id: as_json(inputs_of(run, REPOSITORY))}
-        task.part.parent.mkdir()
-
-        def solve(*_):
-            sizes.write_text("HEIGHT = 0.45\n")
-            words.extend(["--rest", "0", "--no-pictures", "--out", task.part])
-            return run_command(sys.executable, "-m", "damage", "reference", wall, *words).returncode
-
-        monkeypatch.setattr(worker, "_run_solver", solve)
-        monkeypatch.setattr(sys, "path", sys.path.copy())
-        found = worker._run_yade(task, SimpleNamespace(send=lambda _: None), -1, note)
-        assert found == (CHANGED, ["wall.height 0.6 -> 0.45"]) and not task.part.exists()
-        assert changes(task, note) == []
-        del sys.modules["sizes"]
 
 
 @pytest.mark.slow

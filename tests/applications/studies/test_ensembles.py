@@ -84,23 +84,15 @@ class TestGrid:
     @pytest.mark.parametrize(
         ("text", "message"),
         [
-            (f"[[grid]]\n{WALL}{SINE}", "grid 1: vary = None"),
-            (f"[[grid]]\n{WALL}{SINE}vary = {{ a = [] }}", "vary holds a = []"),
             (f"[[grid]]\n{WALL}{SINE}vary = {{ a = [1] }}", "vary names 'a', which nothing uses"),
             ('[[grid]]\nwall = "{b}"\noptions = { rest = "{a}" }\nvary = { a = [1] }', "names 'b'"),
-            (f"[[grid]]\n{WALL}{SINE}vary = 1\nmembres = 3", "grid 1: unknown key 'membres'"),
-            (f"grid = 3\n[[runs]]\n{WALL}{SINE}", "grid is no list of tables"),
-            (f"[[runs]]\n{WALL}{SINE}members = 0", "members = 0"),
-            (f"[[runs]]\n{WALL}{SINE}samples = 2\nmembers = 2", "expected one kind"),
             (f"[[runs]]\n{WALL}{SINE}samples = 2", "walls that do not differ"),
             (f"[[runs]]\n{WALL}options = {{ seed = 3 }}\nmembers = 2", "--seed is set by members"),
-            (f'[[runs]]\n{WALL}{SINE}solvers = ["udec"]', "solvers = ['udec']"),
             (f'[[runs]]\n{WALL}{SINE}solvers = ["yade"]', "expected --solver yade"),
             (
                 f'[[runs]]\n{WALL}options = {{ record = ["no.csv", "nor.csv"] }}',
                 "no file no.csv or nor.csv",
             ),
-            (f'pictures = "some"\n[[runs]]\n{WALL}{SINE}', "TOML"),
         ],
         ids=str,
     )

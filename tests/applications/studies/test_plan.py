@@ -1,8 +1,8 @@
-"""What `./run_all.sh STUDY --dry-run` tells: the runs that are there and those to make; nothing is
+"""What a study with --dry-run tells: the runs that are there and those to make; nothing is
 made."""
 
 import pytest
-from conftest import REPOSITORY, run_command, wall_file, written
+from conftest import REPOSITORY, wall_file, written
 from small_history import make_history
 
 from damage.applications.studies.definition import load_study
@@ -27,21 +27,13 @@ def study(tmp_path):
     return load_study(written(tmp_path / "s.toml", STUDY), "both", REPOSITORY)
 
 
-def test_the_dry_run_lists_all_runs_and_makes_nothing(study, tmp_path):
+def test_the_dry_run_lists_all_runs_and_makes_nothing(study, tmp_path, output_of):
     before = sorted(path.name for path in tmp_path.iterdir())
-    done = run_command(
-        "./run_all.sh",
-        study.path,
-        "--dry-run",
-        "--solver",
-        "reference",
-        "--out",
-        tmp_path / "out",
-        status=0,
-    )
-    assert "points: 2, 0 there; runs to make: up to 20" in done.stdout
+    words = "--dry-run", "--solver", "reference", "--out", tmp_path / "out"
+    said = output_of("study", study.path, *words)
+    assert "points: 2, 0 there; runs to make: up to 20" in said
     for amplitude in (0.01, 0.02):
-        (line,) = (line for line in done.stdout.splitlines() if f"harmonic-0.1-{amplitude}" in line)
+        (line,) = (line for line in said.splitlines() if f"harmonic-0.1-{amplitude}" in line)
         assert "5 to 10 runs to make" in line
     assert sorted(path.name for path in tmp_path.iterdir()) == before
 
@@ -62,10 +54,3 @@ def test_what_is_there_is_not_to_be_made(study, tmp_path, capsys):
     assert "there, 1 runs" in printed and "points: 2, 1 there; runs to make: up to 10" in printed
     print_plan(study, folder, remake=True)  # the record was made by no version of the model
     assert "points: 2, 0 there; runs to make: up to 20" in capsys.readouterr().out
-
-
-def test_a_wrong_study_is_refused(tmp_path):
-    done = run_command(
-        "./run_all.sh", written(tmp_path / "s.toml", "name = 1\n"), "--dry-run", status=2
-    )
-    assert "error: " in done.stderr

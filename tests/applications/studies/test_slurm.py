@@ -9,6 +9,7 @@ from importlib.util import find_spec
 
 import pytest
 from conftest import REPOSITORY, TINY, run_command, wall_file
+from test_batch import study_here
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 
@@ -69,11 +70,11 @@ def tables(folder):
     return {path.name: path.read_bytes() for path in (folder / "tables").glob("*.csv")}
 
 
-def whole(folder, environment):
+def whole(folder):
     """The tables of the study without slices."""
-    words = [REPOSITORY / "run_all.sh", folder / "study.toml", "--solver", "reference", "-j2"]
     out = folder / "here"
-    run_command(*words, "--out", out, timeout=900, env=environment, status=0)
+    words = "--solver", "reference", "-j2", "--out", str(out)
+    assert study_here(str(folder / "study.toml"), *words).returncode == 0
     return tables(out)
 
 
@@ -84,12 +85,11 @@ def test_slices_by_snakemake_give_the_tables_of_the_whole(tmp_path):
     (tmp_path / "study.toml").write_text(
         DRAWN.replace("samples = 50", "samples = 2").replace(", 0.3, 0.2]", "]")
     )
-    environment = {**os.environ, "PYTHONPATH": str(REPOSITORY), "PYTHON": sys.executable}
     # the Snakefile finds the package itself
-    without = {name: value for name, value in environment.items() if name != "PYTHONPATH"}
+    without = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     run_command(*jobs(tmp_path, 2), timeout=300, env=without, status=0)
     assert len(list((tmp_path / "jobs" / "logs").glob("slice-*-of-2.done"))) == 2
-    assert tables(tmp_path / "jobs") == whole(tmp_path, environment)
+    assert tables(tmp_path / "jobs") == whole(tmp_path)
 
 
 @on_slurm
@@ -120,6 +120,6 @@ def test_two_hundred_runs_in_slices_killed_and_gone_on_with(tmp_path):
     kept = (tmp_path / "jobs" / "before").read_text().splitlines()
     assert 20 <= len(kept) < 200
     subprocess.run(["sha256sum", "--check", "--quiet", tmp_path / "jobs" / "before"], check=True)
-    assert tables(tmp_path / "jobs") == whole(tmp_path, environment)
+    assert tables(tmp_path / "jobs") == whole(tmp_path)
     assert len(list((tmp_path / "jobs" / "logs").glob("slice-*-of-4.done"))) == 4
     assert len(list((tmp_path / "jobs" / "runs").glob("*.h5"))) == 200

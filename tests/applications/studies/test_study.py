@@ -25,10 +25,12 @@ from conftest import (
 )
 from numpy.testing import assert_allclose
 from small_history import make_history
+from test_batch import study_here
 
 from damage.applications.studies.definition import load_study, option_table, run_name
 from damage.applications.studies.read import describe_table
 from damage.applications.studies.records import NAME
+from damage.draw import run
 from damage.measure.tables import (
     joints_table,
     summary_row,
@@ -39,6 +41,7 @@ from damage.run.options import words_of
 HARMONIC = "options = { harmonic = [0.2, 0.05] }\n"
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
 WALL = 'wall = "walls/symmetric.py"\n'
+RUN = f'name = "s"\n[[runs]]\n{WALL}'
 
 
 def write_study(folder, text, name="study.toml"):
@@ -68,56 +71,20 @@ class TestLoading:
     @pytest.mark.parametrize(
         ("text", "message"),
         [
-            ("", "name = None"),
-            ('name = "s"', "no runs"),
             ('name = "s', "is no TOML"),
             (
-                'name = "s"\nrun = []',
-                (
-                    "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs,"
-                    " states, title"
-                ),
-            ),
-            ('name = "s"\nstates = "max_psi > 2"', "expected a list of texts"),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}samples = 2\nsolvers = ["yade"]\n{HARMONIC}',
+                f'{RUN}samples = 2\nsolvers = ["yade"]\n{HARMONIC}',
                 "run 1: solvers = ['yade'] with samples or lives",
             ),
-            (f'name = "s"\n[[runs]]\n{HARMONIC}', "run 1: wall = None"),
-            (f'name = "s"\n[[runs]]\n{WALL}option = 1', "run 1: unknown key 'option'"),
-            (
-                f'name = "s"\n[[runs]]\nwall = "walls/no.py"\n{HARMONIC}',
-                "run 1: no file walls/no.py",
-            ),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}options = {{ record = "no.csv" }}',
-                "run 1: no file no.csv",
-            ),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}options = {{ scale = 2 }}',
-                "--scale belongs to --record",
-            ),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonic = [0.2] }}',
-                "expected 2 arguments",
-            ),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}options = {{ harmonics = [0.2, 1] }}',
-                "no option harmonics: expected one of",
-            ),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}options = {{ out = "a.h5" }}',
-                "--out is set by the batch",
-            ),
-            (f'name = "s"\n[[runs]]\nid = "a b"\n{WALL}{HARMONIC}', "run 1: run id 'a b_yade'"),
-            (
-                f'name = "s"\n[[runs]]\n{WALL}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}',
-                "runs 1 and 2 are both",
-            ),
+            (RUN.replace("symmetric", "no"), "run 1: no file walls/no.py"),
+            (f'{RUN}options = {{ record = "no.csv" }}', "run 1: no file no.csv"),
+            (f"{RUN}options = {{ scale = 2 }}", "--scale belongs to --record"),
+            (f"{RUN}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}", "runs 1 and 2 are both"),
         ],
         ids=str,
     )
     def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
+        """Of wrong forms: `test_study_schema`."""
         assert message in refused_with("", load_study, write_study(tmp_path, text))
 
 
@@ -177,33 +144,16 @@ sys.exit(3 if rest == 2 else 0)
 """
 
 
-ONE_PICTURE = """
-import sys
-if sys.orig_argv[1:4] == ["-m", "damage", "plot"]:
-    from damage.draw import run
-    run.PICTURES = {"drift": run.PICTURES["drift"]}
-"""
-"""Each Python that a batch starts runs this first: what a run's other pictures show is tested
-elsewhere."""
-
-
 class Batches:
     """Runs batches of studies in a folder, with a yade that copies small histories, made once.
 
     The length of the rest tells it what to do: 2 fails, 3 leaves an unfinished history, 4 takes a
-    minute, anything else is done at once.  Modules of the results folder end every Python that
-    imports them.
+    minute, anything else is done at once.
     """
 
     def __init__(self, folder):
         self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of {it}"
         (folder / "bin").mkdir()
-        (folder / "bin" / "sitecustomize.py").write_text(ONE_PICTURE)
-        self.out.mkdir()
-        for module in ("numpy", "pandas", "damage"):
-            (self.out / f"{module}.py").write_text(
-                "raise SystemExit('a module of the results folder was executed')\n"
-            )
         wall_file(folder / "small.py", "Wall('small', 0.9, 0.45)")  # of the histories
         for status in ("complete", "unfinished"):
             make_history(folder / "bin" / f"{status}.h5", status=status)
@@ -219,99 +169,60 @@ class Batches:
         ]
         return write_study(self.folder, f'name = "s"\npictures = "{pictures}"\n' + "".join(runs))
 
-    def command(self, study, *words):
-        return [*BATCH, study.name, "--solver", "yade", "--out", self.out.name, "-j2", *words]
-
-    def options(self):
-        path = f"{self.folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
-        return {
-            "cwd": self.folder,
-            "text": True,
-            "env": {
-                **os.environ,
-                **BATCH_ENVIRONMENT,
-                "PATH": path,
-                "PYTHONPATH": os.pathsep.join(
-                    (BATCH_ENVIRONMENT["PYTHONPATH"], str(self.folder / "bin"))
-                ),
-            },
-        }
-
-    def run(self, study, *words):
-        """Run a batch to its end; returns the completed process and the rests that yade was run
-        with."""
+    def words(self, study):
         self.calls.write_text("")
-        done = subprocess.run(
-            self.command(study, *words), capture_output=True, timeout=300, **self.options()
-        )
+        return [str(study), "--solver", "yade", "--out", str(self.out), "-j2"]
+
+    def run(self, study):
+        """Run a batch to its end in this process; returns what is left of it and the rests that
+        yade was run with."""
+        done = study_here(*self.words(study))
         return done, sorted(line.split()[-1] for line in self.calls.read_text().splitlines())
 
     def start(self, study):
         """Start a batch and wait until yade runs."""
-        self.calls.write_text("")
         process = subprocess.Popen(
-            self.command(study), stdout=subprocess.PIPE, stderr=subprocess.PIPE, **self.options()
+            [*BATCH, *self.words(study)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env={**os.environ, **BATCH_ENVIRONMENT},
         )
         wait_until(self.calls.read_text)
         return process
 
 
 @pytest.fixture
-def batches(tmp_path):
+def batches(tmp_path, monkeypatch):
     folder = tmp_path / "a {b} \N{BRICK}"  # JSON escapes letters of other planes
     folder.mkdir()
+    monkeypatch.setenv("PATH", f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}")
     return Batches(folder)
 
 
 @pytest.mark.slow
 class TestBatch:
-    def test_histories_tables_and_pictures_and_nothing_twice(self, batches):
-        """Then with a changed parameter, which touches one run."""
-        study = batches.study("all", a=1, b=1.5)
-        done, calls = batches.run(study)
-        assert (done.returncode, calls) == (0, ["1", "1.5"]), done.stderr
-        assert (
-            "study s: 2 of 2 runs done" in done.stdout
-            and str(batches.out / "pictures") in done.stdout
-        )
-        assert "a_yade: 50 %, 0:07 left" in done.stdout
-        summary = pd.read_csv(batches.out / "tables" / "summary.csv")
-        assert list(summary["run"]) == ["a_yade", "b_yade"]
-        pictures = (batches.out / "pictures" / "a_yade").glob("[!.]*")
-        assert {path.suffix for path in pictures} == {".png", ".pdf"}
-        assert sorted(path.name for path in batches.folder.iterdir()) == [
-            "bin",
-            "calls",
-            "out of {it}",
-            "small.py",
-            "study.toml",
-            "yade.py",
-        ]
-        untouched = (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns
-        done, calls = batches.run(batches.study("all", a=1, b=1.7))
-        assert (done.returncode, calls) == (0, ["1.7"]), done.stderr
-        assert (batches.out / "pictures" / "a_yade" / "drift.png").stat().st_mtime_ns == untouched
-
-    def test_failing_runs_stop_no_other_and_are_named_with_their_logs(self, batches):
-        done, calls = batches.run(batches.study(good=1, fails=2, unfinished=3))
+    def test_failing_runs_stop_no_other_and_nothing_is_made_twice(self, batches, monkeypatch):
+        """Then with the parameters that failed corrected, which touches no other run."""
+        monkeypatch.setattr(run, "PICTURES", {"drift": run.PICTURES["drift"]})
+        done, calls = batches.run(batches.study("all", good=1, fails=2, unfinished=3))
         assert (done.returncode, calls) == (1, ["1", "2", "3"])
+        assert "good_yade: 50 %, 0:07 left" in done.stdout
         logs = batches.out / "logs"
         assert f"failed: fails_yade; see {logs / 'fails_yade.log'}" in done.stderr
-        line = (
-            f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'} (error: unfinished_yade:"
-            " the history is marked unfinished"
-        )
-        assert line in done.stderr
-        assert "good" not in done.stderr
+        assert f"failed: unfinished_yade; see {logs / 'unfinished_yade.log'}" in done.stderr
+        assert "the history is marked unfinished" in done.stderr and "good" not in done.stderr
         assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["run"]) == ["good_yade"]
-        assert [
-            path.name for path in (batches.out / "runs").glob("*.h5") if ".part." not in path.name
-        ] == ["good_yade.h5"]
-        corrected, calls = batches.run(batches.study(good=1, fails=1.5, unfinished=1.6))
-        assert (corrected.returncode, calls) == (0, ["1.5", "1.6"]), corrected.stderr
+        pictures = list((batches.out / "pictures" / "good_yade").iterdir())
+        assert {path.suffix for path in pictures} == {".png", ".pdf"}
+        before = [path.stat().st_mtime_ns for path in pictures]
+        done, calls = batches.run(batches.study("all", good=1, fails=1.5, unfinished=1.6))
+        assert (done.returncode, calls) == (0, ["1.5", "1.6"]), done.stderr
+        assert "study s: 3 of 3 runs done" in done.stdout
         assert len(pd.read_csv(batches.out / "tables" / "summary.csv")) == 3
+        assert [path.stat().st_mtime_ns for path in pictures] == before
 
-    def test_an_interrupt_ends_all_and_the_next_call_goes_on(self, batches):
+    def test_an_interrupt_ends_all_and_the_next_call_goes_on(self, batches, error_of):
         process = batches.start(batches.study(a=4, b=1))
         records = batches.out / NAME
         wait_until(lambda: '"run": "b_yade"' in records.read_text())
@@ -321,7 +232,7 @@ class TestBatch:
         assert running(batches.folder) == []
         again = re.search(r"^  python3 (-m damage study .*)$", printed, re.MULTILINE)[1]
         for words in (["fragility", batches.out, "--out", "x"], ["report", batches.out]):
-            said = run_command(sys.executable, "-m", "damage", *words, status=2).stderr
+            said = error_of(*words)
             assert "1 of 2 points are done" in said and said.endswith(f"{again}\n")
         done, calls = batches.run(batches.study(a=1.2, b=1))
         assert (done.returncode, calls) == (0, ["1.2"]), done.stderr
