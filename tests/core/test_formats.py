@@ -662,7 +662,9 @@ class TestOtherFormats:
         path = tmp_path / "record.txt"
         path.write_bytes(begins)
         message = one_line_error(read_record, path)
-        assert f"its format is {name}, which is not read" in message and "record-formats.md" in message
+        assert (
+            f"its format is {name}, which is not read" in message and "record-formats.md" in message
+        )
 
     def test_k_net_by_the_guides_recipe_keeps_no_offset(self, tmp_path, monkeypatch):
         pytest.importorskip("obspy")
