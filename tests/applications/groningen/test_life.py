@@ -23,7 +23,6 @@ from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.ground_motion import COMPONENTS
 from damage.applications.groningen.exposure.lives import Choices, Draws, events_of, read_address
 from damage.applications.groningen.exposure.models.bommer_2022 import Model
-from damage.applications.groningen.life.claimed import claimed
 from damage.applications.groningen.life.estimate import probability, strata
 from damage.applications.groningen.life.results import (
     Lives,
@@ -461,14 +460,6 @@ class TestResults:
         assert list(found["time_utc"]) == ["2014-01-01", "2012-05-01", "2013-05-01"]
         assert list(found["mean_psi"]) == pytest.approx([1.5 / 4, 0.8 / 4, 0.7 / 4])
         assert list(found["largest"]) == [0.25, 0.25, 0.25]
-
-    def test_first_exceedance_by_deductible(self, lives):
-        """Life 1 passes Psi = 1 by 0.7, life 2 falls in the event of its largest PGV."""
-        table = lives.table.assign(pgv_mm_s=[9.0, 9.0, 10.0, 9.0, 9.0])
-        found = claimed(replace(lives, table=table)).set_index(["psi", "deductible_psi"])
-        assert list(found.loc[1.0, "p"]) == [0.5] * 4 and list(found.loc[2.0, "p"]) == [0.25] * 4
-        assert list(found.loc[1.0, "p_claim"]) == [0.5, 0.5, 0.5, 0.25]
-        assert found.loc[(1.0, 1.0), ["p_settled", "p_largest"]].tolist() == [0.0, 0.25]
 
     def test_the_settlement_is_an_event_before_the_others(self, exposure):
         """Psi 0.7 by the settlement, 1.1 after the first of two events, 1.2 after the second: gains

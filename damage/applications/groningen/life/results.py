@@ -14,7 +14,6 @@ import pandas as pd
 
 from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.exposure.lives import Draws, read_address
-from damage.applications.groningen.life.claimed import VISIBLE, claimed
 from damage.applications.groningen.life.estimate import probability
 from damage.applications.studies.definition import FROM, load_study
 from damage.applications.studies.records import read_records
@@ -25,6 +24,8 @@ from damage.provenance import shown_path
 from damage.wall.file import wall_path
 
 OUTCOMES = {"psi": "at rest", "max_psi": "at any moment"}
+VISIBLE = 1.0, 2.0
+"""Psi whose probabilities are given: one crack of 0.1 mm, one of 1 mm."""
 POPULATION = 4000
 """Lives that are drawn and not run, for the distribution of PGV."""
 NAME = "lives.toml"
@@ -226,32 +227,28 @@ def together(parts):
     return lives
 
 
-def beside(parts):
-    """[(Lives, other Lives of the same wall and place by other choices, states of both as
-    DataFrames of `Lives.until` with equal rows)] where the name of the other point is that of the
-    first and one word more."""
-    found = []
+def largest_alone(parts):
+    """Return {point: (lives with all events, the same with the largest alone)} of the points that
+    have both, as DataFrames of `Lives.until` with equal rows."""
+    found = {}
     for one, other in product(parts, repeat=2):
-        if (
-            other.point.rpartition("_")[0] == one.point
-            and one.draws.exposure.place == other.draws.exposure.place
-        ):
+        if _is_of_the_largest(other, one):
             first, second = one.last, other.last
             both = first.index.intersection(second.index)
-            found += [(one, other, first.loc[both], second.loc[both])] if len(both) > 1 else []
+            if len(both) > 1:
+                found[one.point] = first.loc[both], second.loc[both]
     return found
 
 
-def largest_alone(parts):
-    """{point: (lives with all events, the same with the largest alone)} of the points that have
-    both, as DataFrames of `Lives.until` with equal rows."""
-    return {
-        one.point: (first, second)
-        for one, other, first, second in beside(parts)
-        if other.draws.choices
-        == replace(one.draws.choices, largest_alone=True)
-        != one.draws.choices
-    }
+def _is_of_the_largest(lives, every):
+    """Say whether lives are those of the largest event alone of the lives with every event: of the
+    same place and choices, and of a point with the same name and one word more."""
+    return (
+        lives.point.rpartition("_")[0] == every.point
+        and lives.draws.exposure.place == every.draws.exposure.place
+        and not every.draws.choices.largest_alone
+        and lives.draws.choices == replace(every.draws.choices, largest_alone=True)
+    )
 
 
 def over_time(lives):
@@ -364,14 +361,12 @@ def _of_the_settlement(table):
 def write_lives(parts, folder):
     """Write the tables of lives into a folder; returns their paths.
 
-    lives.csv: events; life.csv: year by year; contributions.csv: of each event; claimed.csv:
-    first exceedance by deductible.
+    lives.csv: events; life.csv: year by year; contributions.csv: of each event.
     """
     folder = Path(folder)
     tables = {
         "lives.csv": pd.concat([one.table for one in parts]),
         "life.csv": pd.concat(map(over_time, parts)),
         "contributions.csv": pd.concat(map(contributions, parts)),
-        "claimed.csv": pd.concat(map(claimed, parts)),
     }
     return [write_table(table, folder / name) for name, table in tables.items()]
