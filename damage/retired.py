@@ -31,6 +31,11 @@ RETIRED = {
         "--opensees of export went in 0.2; history.joints of a run has each contact point's bodies,"
         " place, stiffnesses and strengths, docs/guides/other-programs.md what OpenSees calls them"
     ),
+    "brick-cells": Retired(
+        "--brick-cells went in 0.2; deformable bricks have strain modes, in the reference solver:"
+        " give --bricks deformable alone",
+        default=0,
+    ),
 }
 """{name without dashes before it, words joined by dashes: Retired}."""
 

@@ -363,7 +363,7 @@ FAULTS = [
                 "damage/mechanics/contacts.py",
                 "diagonal_tension(cuts.strength[n.lane], sigma)",
                 "diagonal_tension(cuts.strength[n.lane], -sigma)",
-                "test_cells test_crushing",
+                "test_crushing",
             ),
             (
                 "lanes",

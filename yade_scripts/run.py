@@ -13,8 +13,6 @@ from damage.start import EXIT_MISSING, missing_library, reported
 
 FIBRES = 16
 """Default number of parallel elements of a softening joint (docs/model/model.md)."""
-BRICK_CELLS = 4
-"""Default number of cells of a deformable brick (docs/model/yade.md)."""
 
 
 def main(make_wall, engines=()):
@@ -115,7 +113,6 @@ def _backend(engines):
         _check,
         open_view,
         Softening(fibres=FIBRES, beta_s=0.0),
-        BRICK_CELLS,
         keeps_state=False,
         begins=begins,
     )
@@ -151,6 +148,11 @@ def _check(settings, wall):
     from yade_scripts.joint_tracker import check_law
 
     check_law(wall.joint)
+    if settings.model.has_modes:
+        raise InputError(
+            "--bricks deformable: YADE moves rigid bodies, without strain modes; leave it out, or"
+            " use the reference solver: python3 -m damage reference"
+        )
     for option, given in (
         ("--soil-velocity", settings.model.soil_velocity),
         ("--beta", settings.beta_s),

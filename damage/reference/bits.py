@@ -66,7 +66,6 @@ CASES = {
     "deformable": Case(
         SMALL, "--bricks deformable --contacts gauss --harmonic 0.06 0.8 --rest 0.1"
     ),
-    "cells": Case(SMALL, "--bricks deformable --brick-cells 4 --harmonic 0.06 0.8 --rest 0.1"),
     "restrained": Case(STRIP, "--harmonic 0.06 0.6 --rest 0.1"),
     "scaled": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.2"),
     "softening": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.1 --mass-scaling none", is_long=True),

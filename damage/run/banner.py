@@ -177,8 +177,6 @@ def describe_brick(brick, options=None):
             if brick.splits
             else line
         )
-    if options and options.brick_cells:
-        line += f", {options.brick_cells} rigid cells glued elastically"
     if not brick.splits:
         return f"{line}, never splitting"
     energy = f", fracture energy {brick.fracture_energy:.4g} J/m2" if brick.fracture_energy else ""

@@ -127,8 +127,8 @@ def deformable_warnings(model, wall):
     if wall.brick.splits:
         found.append(
             f"--bricks deformable with a tensile strength of {wall.brick.tensile_strength / 1e6:g}"
-            " MPa of the bricks: strain modes keep them whole, above it, too; for bricks that"
-            " split give rigid bricks or --brick-cells 4"
+            " MPa of the bricks: deformable bricks do not split, above it, either; for bricks that"
+            " split give --bricks rigid"
         )
     return found
 

@@ -54,7 +54,6 @@ class Backend:
     raises InputError on what it cannot do; open_view: opens a live view and returns a function that
     refreshes it; None where there is none; softening: what it gives joints with fracture energies;
     None where it does not know them;
-    brick_cells: of deformable bricks where nothing else is asked for, 0 for strain modes;
     keeps_state: whether the history has the state at its end, from which another run continues; it
     is in a checkpoint otherwise;
     begins(run): called with the Run before its first step; most: runs that step together at most.
@@ -67,7 +66,6 @@ class Backend:
     check: Callable = lambda settings, wall: None
     open_view: Callable | None = None
     softening: Softening | None = None
-    brick_cells: int = 0
     keeps_state: bool = True
     begins: Callable = lambda run: None
     most: int = 1
@@ -270,9 +268,7 @@ def check(backend, wall, settings):
             " does not know; leave them out, or use the reference solver: python3 -m damage"
             " reference"
         )
-    settings = settings.for_joint(wall.joint, backend.softening or Softening()).for_bricks(
-        backend.brick_cells
-    )
+    settings = settings.for_joint(wall.joint, backend.softening or Softening())
     backend.check(settings, wall)
     return settings
 

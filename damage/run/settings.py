@@ -367,13 +367,6 @@ class RunSettings:
         """How the wall settles after a motion, one of RELAXATIONS."""
         return self.settling or ("adaptive" if self.scales else "local")
 
-    def for_bricks(self, cells):
-        """These settings with so many cells of deformable bricks where nothing else was asked for;
-        0: strain modes."""
-        if not self.model.has_modes:
-            return self
-        return replace(self, model=replace(self.model, brick_cells=cells))
-
     @property
     def duration_s(self):
         """From time zero to the end of the last settling stage [s]."""

@@ -23,7 +23,7 @@ from damage.elementary import exp, log
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, TINY, contact_stiffness
 from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.restraints import top_of
-from damage.wall.split import cuts_of
+from damage.wall.split import can_split, middle_of
 
 POINT_POSITIONS = {
     "interior": (0.0,),
@@ -260,10 +260,8 @@ def _part_of(brick, bodies, cells, cell):
     if cell == GROUND:
         return GROUND, False
     body, middle = cells.body[cell], (cells.left[cell] + cells.right[cell]) / 2
-    half = bodies.length[body] / 2
-    return body, any(
-        middle > cut for cut in cuts_of(brick, 0, bodies.x[body] - half, bodies.x[body] + half)
-    )
+    x, length = bodies.x[body], bodies.length[body]
+    return body, bool(can_split(brick, length) and middle > middle_of(x, length))
 
 
 def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alone=False):

@@ -39,7 +39,7 @@ def contact_stiffness(wall, options, bodies, kind, first, second):
     )
 
 
-def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
+def lumped_stiffness(wall, bodies, kind, first, second):
     """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays
     (n_contacts,).
 
@@ -49,13 +49,11 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
     brick has the stiffness of the brick between the centres of its parts; in shear that of halves
     is six times stiffer (`damage.wall.split`).
 
-    Under a uniform shear stress cells slide along their horizontal and their upright boundaries,
-    bricks in a bond along the horizontal ones above all: each kind of boundary gets its part of the
-    compliance of the brick, 1/G in all.
+    Under a uniform shear stress bricks in a bond slide along horizontal boundaries above all, which
+    get the compliance of the brick, 1/G.
 
     wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of
-    the contact points, as in damage.wall.contact_points.Contacts; sheared: kinds of boundaries that
-    share the shear compliance, 2 for cells.
+    the contact points, as in damage.wall.contact_points.Contacts.
     """
     brick, joint = wall.brick, wall.joint
     upright = (kind == HEAD) | (kind == CUT)
@@ -69,6 +67,6 @@ def lumped_stiffness(wall, bodies, kind, first, second, sheared=1):
         np.where(kind == CUT, of_cut * modulus / distance, 1 / (1 / stiffness + distance / modulus))
         for stiffness, modulus, of_cut in (
             (joint.normal_stiffness, brick.young_modulus, 1),
-            (joint.shear_stiffness, sheared * brick.shear_modulus, 6 if sheared == 1 else 1),
+            (joint.shear_stiffness, brick.shear_modulus, 6),
         )
     )

@@ -48,7 +48,7 @@ from damage.wall.parameters import Wall
 from damage.wall.plan import Plan, plan_of
 from damage.wall.restraints import THICK_M, top_of
 from damage.wall.soil import on_soil
-from damage.wall.split import CUT_POINTS, cut_bricks, cuts_of
+from damage.wall.split import CUT_POINTS, cut_bricks
 from damage.wall.strain import Strain, strain_of
 
 MOST_CONTACTS = 100_000
@@ -282,7 +282,7 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
         ),
     )
     layout = on_soil(layout)
-    if layout.strain is None and (wall.brick.splits or options.brick_cells):
+    if layout.strain is None and wall.brick.splits:
         layout = cut_bricks(layout)
     layout = _rounded(layout)
     return replace(
@@ -324,9 +324,8 @@ def _lay_out_alike(wall, options):
     breaks = _cell_breaks(plan, options)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * len(POINT_POSITIONS[options.contacts])
-    points += (
-        CUT_POINTS * n_bricks * (wall.brick.splits * (not options.has_modes) + options.brick_cells)
-    )
+    if wall.brick.splits and not options.has_modes:
+        points += CUT_POINTS * n_bricks
     if points > MOST_CONTACTS:
         raise InputError(
             f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact"
@@ -516,15 +515,7 @@ def _cell_breaks(plan, options):
     Gauss points there are two in each, so that half as many do.
     """
     segments, wall = segments_of(options), plan.wall
-    of_bricks = [
-        x
-        for course in plan.bricks
-        for brick in course
-        for x in (
-            *brick,
-            *(cuts_of(wall.brick, options.brick_cells, *brick) if options.brick_cells else ()),
-        )
-    ]
+    of_bricks = [x for course in plan.bricks for brick in course for x in brick]
     edges = np.unique(
         np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9)
     )

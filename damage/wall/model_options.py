@@ -50,8 +50,6 @@ class ModelOptions:
         (`damage.wall.strain`), with polynomials of brick_order 2 or 3 in plane "stress" or
         "strain", the mass of the strain modes times brick_mass, which lengthens the time step by
         its root, and brick_damping of their critical damping.
-    brick_cells: a whole deformable brick is so many rigid cells, glued elastically
-        (`damage.wall.split`); 0: strain modes, which YADE does not have: there 4.
     """
 
     lintel: str = text(
@@ -177,21 +175,8 @@ class ModelOptions:
         default="rigid",
         tag="{bricks}",
         help=(
-            "rigid bricks, whose compliance is lumped into the joints, or deformable ones (strain"
-            " modes, in YADE glued cells)"
-        ),
-    )
-    brick_cells: int = quantity(
-        "1",
-        0,
-        16,
-        whole=True,
-        default=0,
-        metavar="N",
-        tag="brick-cells-{brick_cells}",
-        help=(
-            "deformable bricks: number of rigid cells of a whole brick, glued elastically, 2 "
-            "to 16; 0: strain modes, in YADE 4 cells"
+            "rigid bricks, whose compliance is lumped into the joints, or deformable ones with"
+            " strain modes (reference solver)"
         ),
     )
     brick_order: int = quantity(
@@ -245,20 +230,10 @@ class ModelOptions:
             _OF_SOIL if self.soil == "rigid" else (),
             "without --soil: expected the soil's stiffness [N/m3], too; give both, or leave it out",
         )
-        if self.brick_cells % 2:
-            raise InputError(
-                f"--brick-cells {self.brick_cells}: expected an even number, since bricks lie on"
-                " two halves of others; give --brick-cells 4"
-            )
-        needs = (
-            "with rigid bricks: expected only beside --bricks deformable; give both, or leave"
-            " it out"
-        )
-        self._check_default(() if self.deforms else (*_OF_MODES, "brick_cells"), needs)
         self._check_default(
-            _OF_MODES if self.brick_cells else (),
-            "with bricks of glued cells, as always in YADE: "
-            "expected strain modes, which the reference solver has; leave it out",
+            () if self.has_modes else _OF_MODES,
+            "with rigid bricks: expected only beside --bricks deformable; give both, or leave it"
+            " out",
         )
 
     def _check_default(self, names, problem):
@@ -273,14 +248,9 @@ class ModelOptions:
         return bool(self.strength_cov) or self.inputs != "given"
 
     @property
-    def deforms(self):
-        """Whether bricks are deformable."""
-        return self.bricks == "deformable"
-
-    @property
     def has_modes(self):
         """Whether bricks have strain modes."""
-        return self.deforms and not self.brick_cells
+        return self.bricks == "deformable"
 
     def tags(self):
         """The differences of this model from the default in a file's name: a list of words."""

@@ -1,4 +1,4 @@
-"""Bricks of several parts: halves that can split, cells that make bricks deformable.
+"""Bricks that can split into halves.
 
 **Splitting.**  Every whole brick is two halves, bonded across a cut in its middle.  The cut has n
 contact points in the middles of n equal parts of the brick's height h, so that under a moment M and
@@ -34,17 +34,6 @@ of a brick is uniform in the bed joints' compliance, but rises linearly from zer
 twice the mean in its middle: the rest, a third of the energy, is that of a cut of stiffness 6 G / d
 in place of the G / d of a bar of length d between the centres of the halves.
 
-**Cells** (`ModelOptions.brick_cells`).  A whole brick of length L is N rigid cells, glued by cuts
-that stay elastic, on a grid of L / N along the wall.  Of two cells whose centres lie d apart, two
-Gauss points over the height give
-
-    axial E t h / d,  bending E t h^3 / (12 d),  shear 2 G t h / d
-
-so that the brick is a chain of short beams along its length.  Across its height it stays rigid, its
-compliance lumped into the bed joints.  Half of the shear compliance 1/G is in the cuts and head
-joints, half in the bed joints: a uniform shear stress shears a wall by tau / G, of which the cells'
-rotation makes either half visible.
-
 A cut takes its share of the brick's compliance over from the head joints (`damage.wall.kinds`).
 """
 
@@ -59,7 +48,6 @@ CUT_POINTS = 4
 strength in tension."""
 PEAK = 1.15
 """Shear stress in the middle of a cut over its mean."""
-_GAUSS = np.array([-1.0, 1.0]) / np.sqrt(12)  # of the height, from its middle
 
 
 def cut_strengths(brick):
@@ -94,111 +82,87 @@ def beside_cuts(contacts):
     return splits, found
 
 
-def cuts_of(unit, brick_cells, left, right):
-    """Positions [m] of the cuts through a brick with these edges, from left to right; unit: the
-    damage.Brick that it is or was cut from; brick_cells: of a whole brick, 0 where it is not made
-    of cells."""
-    middle = [(left + right) / 2] if unit.splits and _is_whole(unit, right - left) else []
-    if not brick_cells:
-        return middle
-    cell = unit.length / brick_cells
-    first, last = (
-        np.ceil((left + cell / 2 - TINY) / cell),
-        np.floor((right - cell / 2 + TINY) / cell),
-    )
-    return [k * cell for k in range(int(first), int(last) + 1)]
+def can_split(brick, length):
+    """Return whether bricks of these lengths [m], cut from a damage.Brick or whole, can split."""
+    return brick.splits & (np.abs(length - brick.length) < TINY)
+
+
+def middle_of(x, length):
+    """Return x [m] halfway between the edges of bricks, where cuts are; that is x but for its last
+    bit."""
+    return ((x - length / 2) + (x + length / 2)) / 2
 
 
 def cut_bricks(layout):
-    """A damage.wall.layout.Layout with every brick cut into its parts.
+    """Return a damage.wall.layout.Layout whose whole bricks are two halves each.
 
-    The leftmost part keeps its brick's number; the others come behind the other bricks, and cuts
-    behind the joints.
+    A left half keeps its brick's number; right halves come behind the other bricks, and cuts behind
+    the joints.
     """
     old, n, wall = layout.bodies, layout.n_bricks, layout.wall
-    half = old.length / 2
-    cuts = [
-        cuts_of(wall.brick, layout.options.brick_cells, *edges) if brick < n else []
-        for brick, edges in enumerate(zip(old.x - half, old.x + half))
-    ]
-    counts = np.array([len(positions) for positions in cuts])
-    added = int(counts.sum())
-    number = np.arange(len(old)) + np.where(np.arange(len(old)) < n, 0, added)
-    behind = n + np.cumsum(counts) - counts  # number of each brick's second part
-    cells = _on_parts(layout.cells, cuts, number, behind)
-    bodies, contacts = _parts(old, cuts, n), _under_new_numbers(layout.contacts, cells)
-    rows = _cuts(wall.brick, old, cuts, number, behind, cells)
+    is_brick = np.arange(len(old)) < n
+    splits = is_brick & can_split(wall.brick, old.length)
+    cut = np.flatnonzero(splits)
+    number = np.arange(len(old)) + np.where(is_brick, 0, len(cut))
+    right_half = n + np.cumsum(splits) - 1  # of the bricks that split
+    middle = middle_of(old.x, old.length)
+    cells = layout.cells
+    on_right = splits[cells.body] & ((cells.left + cells.right) / 2 - TINY > middle[cells.body])
+    cells = replace(cells, body=np.where(on_right, right_half[cells.body], number[cells.body]))
+    bodies = _halves(old, cut, n)
+    contacts = _under_new_numbers(layout.contacts, cells)
     glue = int(np.sum(contacts.kind != CAP))
-    contacts = _with(contacts, np.full(len(rows["x"]), glue), rows)
-    sheared = 2 if layout.options.brick_cells else 1
-    normal, shear = lumped_stiffness(
-        wall, bodies, contacts.kind, contacts.first, contacts.second, sheared
-    )
+    n_points = CUT_POINTS * len(cut)
+    points = _cut_points(wall.brick, middle[cut], old.z[cut], cut, right_half[cut], cells)
+    contacts = _with(contacts, np.full(n_points, glue), points)
+    normal, shear = lumped_stiffness(wall, bodies, contacts.kind, contacts.first, contacts.second)
     of_lintels = (contacts.kind == CUT) & ~np.isnan(contacts.normal_stiffness)
     normal, shear = (
         np.where(of_lintels, old, new)
         for old, new in ((contacts.normal_stiffness, normal), (contacts.shear_stiffness, shear))
     )
-    others = [
-        behind[brick] + k for brick in np.sort(layout.drift_bodies) for k in range(counts[brick])
-    ]
+    drifting = np.sort(layout.drift_bodies)
     return replace(
         layout,
         bodies=bodies,
         cells=cells,
-        n_bricks=n + added,
+        n_bricks=n + len(cut),
         contacts=replace(contacts, normal_stiffness=normal, shear_stiffness=shear),
-        n_joints=layout.n_joints + len(rows["x"]),
-        drift_bodies=np.concatenate([number[layout.drift_bodies], np.array(others, int)]),
+        n_joints=layout.n_joints + n_points,
+        drift_bodies=np.concatenate(
+            [number[layout.drift_bodies], right_half[drifting[splits[drifting]]]]
+        ),
     )
 
 
-def _is_whole(brick, length):
-    return abs(length - brick.length) < TINY
-
-
 def _with(table, places, added):
-    """A record of arrays with rows put in before these places."""
+    """Return a record of arrays with rows put in before these places."""
     return replace(
         table,
         **{name: np.insert(getattr(table, name), places, values) for name, values in added.items()},
     )
 
 
-def _parts(old, cuts, n_bricks):
-    """Bodies: leftmost parts in the places of their bricks, the others behind the bricks."""
+def _halves(old, cut, n_bricks):
+    """Return Bodies: left halves in the places of their bricks, right ones behind the bricks."""
+    length = old.length[cut] / 2
+    mass = old.mass[cut] / 2
+    halves = {
+        "length": length,
+        "mass": mass,
+        "inertia": mass * (length**2 + np.square(old.height[cut])) / 12,
+    }
     values = {field.name: getattr(old, field.name).copy() for field in fields(old)}
-    added = {name: [] for name in values}
-    for brick in np.flatnonzero([len(positions) > 0 for positions in cuts]):
-        ends = np.array([-0.5, *((np.array(cuts[brick]) - old.x[brick]) / old.length[brick]), 0.5])
-        share = np.round(np.diff(ends), 12)  # halves are exact ones
-        length, mass = old.length[brick] * share, old.mass[brick] * share
-        parts = {
-            "x": old.x[brick] + old.length[brick] * (np.cumsum(share) - share / 2 - 0.5),
-            "z": old.z[brick],
-            "length": length,
-            "height": old.height[brick],
-            "mass": mass,
-            "inertia": mass * (length**2 + np.square(old.height[brick])) / 12,
-            "course": old.course[brick],
-        }
-        for name, column in parts.items():
-            values[name][brick], *others = np.broadcast_to(column, len(length))
-            added[name] += others
-    return _with(replace(old, **values), np.full(len(added["x"]), n_bricks), added)
-
-
-def _on_parts(cells, cuts, number, behind):
-    """Contact cells under their bodies' new numbers, each of the part that its middle lies in."""
-    middle = (cells.left + cells.right) / 2
-    part = np.array([np.searchsorted(cuts[body], x - TINY) for body, x in zip(cells.body, middle)])
-    return replace(
-        cells, body=np.where(part > 0, behind[cells.body] + part - 1, number[cells.body])
-    )
+    added = {name: column[cut] for name, column in values.items()} | halves
+    added["x"] = old.x[cut] + old.length[cut] / 4
+    for name, column in halves.items():
+        values[name][cut] = column
+    values["x"][cut] -= old.length[cut] / 4
+    return _with(replace(old, **values), np.full(len(cut), n_bricks), added)
 
 
 def _under_new_numbers(contacts, cells):
-    """Contacts between the bodies that their cells belong to now."""
+    """Return Contacts between the bodies that their cells belong to now."""
     bodies = {
         side: np.where(cell == GROUND, getattr(contacts, side), cells.body[cell])
         for side, cell in (("first", contacts.first_cell), ("second", contacts.second_cell))
@@ -206,68 +170,33 @@ def _under_new_numbers(contacts, cells):
     return replace(contacts, **bodies)
 
 
-def _cuts(brick, old, cuts, number, behind, cells):
-    """{field: values} of the cuts' contact points, upwards in each cut."""
-    last, first = (
-        {body: cell for cell, body in order}
-        for order in (enumerate(cells.body), reversed(list(enumerate(cells.body))))
-    )
-    splitting = (
-        (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5,
-        False,
-        *(cut_strengths(brick) if brick.splits else (np.inf, np.inf)),
-    )
-    glued = _GAUSS, True, np.inf, np.inf
-    rows = []
-    for body, k in (
-        (body, k) for body, positions in enumerate(cuts) for k in range(len(positions))
-    ):
-        x = cuts[body][k]
-        splits = brick.splits and _is_whole(brick, old.length[body]) and abs(x - old.x[body]) < TINY
-        places, elastic, tensile_strength, cohesion = splitting if splits else glued
-        one, other = number[body] if k == 0 else behind[body] + k - 1, behind[body] + k
-        length = brick.height / len(places)
-        rows += [
-            (
-                one,
-                other,
-                x,
-                old.z[body] + place * brick.height,
-                length,
-                length * brick.thickness,
-                elastic,
-                tensile_strength,
-                cohesion,
-                last[one],
-                first[other],
-            )
-            for place in places
-        ]
-    names = (
-        "first",
-        "second",
-        "x",
-        "z",
-        "length",
-        "area",
-        "elastic",
-        "tensile_strength",
-        "cohesion",
-        "first_cell",
-        "second_cell",
-    )
-    columns = (
-        dict(zip(names, map(np.array, zip(*rows))))
-        if rows
-        else {name: np.zeros(0, int) for name in names}
-    )
-    return columns | {
-        name: np.full(len(columns["x"]), value)
-        for name, value in (
-            # of all together, later
-            ("kind", CUT),
-            ("normal_stiffness", np.nan),
-            ("shear_stiffness", np.nan),
-            ("compressive_strength", np.inf),
-        )
+def _cut_points(brick, x, z, left_half, right_half, cells):
+    """Return {field: values} of the cuts' contact points, upwards in each cut.
+
+    x, z: middles of the bricks that split [m]; left_half, right_half: numbers of their halves.
+    """
+    last_cell = {body: cell for cell, body in enumerate(cells.body)}
+    first_cell = {body: cell for cell, body in reversed(list(enumerate(cells.body)))}
+    length = brick.height / CUT_POINTS
+    places = (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5
+    tensile_strength, cohesion = cut_strengths(brick)
+    of_cuts = {
+        "first": left_half,
+        "second": right_half,
+        "x": x,
+        "first_cell": [last_cell[body] for body in left_half],
+        "second_cell": [first_cell[body] for body in right_half],
+    }
+    return {name: np.repeat(values, CUT_POINTS) for name, values in of_cuts.items()} | {
+        "z": (z[:, None] + places * brick.height).ravel(),
+        "length": length,
+        "area": length * brick.thickness,
+        "elastic": False,
+        "tensile_strength": tensile_strength,
+        "cohesion": cohesion,
+        "compressive_strength": np.inf,
+        "kind": CUT,
+        # of all together, later
+        "normal_stiffness": np.nan,
+        "shear_stiffness": np.nan,
     }

@@ -304,7 +304,6 @@ RUN = {
     "--bricks deformable --brick-mass ?": "",
     "--bricks deformable --brick-damping ?": "0 1e-300 0.5",
     "--bricks deformable --brick-order ?": "",
-    "--bricks deformable --brick-cells ?": "0",
     "--brick-damping ?": "",
     "--seed ?": "0 1000000000",
     "--rest ?": "0 1e-300 0.5",

@@ -261,9 +261,9 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(tmp_path, yade_command):
     [
         (SMALL, "--pushover", 0.02, "--top-rotation", 2e4, "--no-pictures"),
         TOP_SHARE,
-        (*SPLITS, "--no-pictures", "--bricks", "deformable", "--brick-cells", 4),
+        (*SPLITS, "--no-pictures"),
     ],
-    ids=["held top", "spreader beam", "cells that split"],
+    ids=["held top", "spreader beam", "bricks that split"],
 )
 def test_what_acts_on_a_pushed_wall_continues_in_yade(words, tmp_path, yade_command):
     """What acts on a brick that is held, or of a spreader beam, is added between two steps, and is

@@ -27,7 +27,7 @@ from damage.reference.wall import ReferenceWall
 from damage.wall.file import wall_from
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, Wall, crushing_energy
+from damage.wall.parameters import Brick, Joint, Opening, Wall, crushing_energy
 from damage.wall.split import CUT_POINTS
 from verification import crushing, softening
 
@@ -179,6 +179,21 @@ class TestCuts:
                 ]
             assert_allclose(*sums)
         assert_allclose(np.unique(split.length.round(9)), [SPLITTING.length / 2, 0.9])
+
+    def test_whole_bricks_alone_are_cut(self):
+        wall = Wall("window", 1.53, 0.975, (Opening(0.63, 0.4, 0.6),), lintel="courses")
+        whole, split = lay_out(wall), lay_out(replace(wall, brick=SPLITTING))
+        contacts = split.contacts
+        cuts = contacts.kind == CUT
+        n_whole = np.isclose(whole.bodies.length[: whole.n_bricks], SPLITTING.length).sum()
+        assert 0 < n_whole < whole.n_bricks
+        assert np.sum(cuts) == CUT_POINTS * n_whole
+        assert not contacts.elastic[cuts].any()
+        assert_allclose(contacts.tensile_strength[cuts], 0.8e6)
+        for body in (contacts.first, contacts.second):
+            on = np.flatnonzero(body >= 0)
+            reach = np.abs(contacts.x[on] - split.bodies.x[body[on]])
+            assert np.all(reach <= split.bodies.length[body[on]] / 2 + 1e-9)
 
     def test_the_index_and_its_length_are_of_joints_alone(self):
         wall = Wall("small", 0.9, 0.45)

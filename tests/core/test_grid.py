@@ -128,7 +128,6 @@ GRID = {
     "strain modes of order 3, softening": Case(
         {"joint": SOFT}, {"bricks": "deformable", "brick_order": 3}, peak=40.0
     ),
-    "glued cells": Case(options={"bricks": "deformable", "brick_cells": 4}),
     "new contacts": Case(
         {"length": 0.2, "height": 0.3, "openings": (), "precompression": 0.0, "joint": DRY},
         new_contacts=True,

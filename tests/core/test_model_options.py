@@ -57,7 +57,6 @@ def test_figures_and_evidence_know_every_choice():
         "plane",
         "brick_mass",
         "brick_damping",
-        "brick_cells",
         "supports",
         "soil",
         "soil_shear",
