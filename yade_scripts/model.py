@@ -409,7 +409,7 @@ def build(layout, dt, corner_depth=0.0):
     for index, (bond, slope) in enumerate(zip(bonds, frictions(layout, False).tolist())):
         _set_bond(bond.phys, layout, index, slope)
     bonding.cohesiveTresholdIteration = 0
-    work = FrictionWork(friction, layout.n_joints)
+    work = FrictionWork(friction)
     return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
 
 

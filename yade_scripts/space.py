@@ -101,11 +101,12 @@ class SpaceReader(SceneReader):
         return across, along + 1j * through
 
     def openings(self, select):
-        return -self.model.work.numbers.read(select)[0]
+        return -np.array([self.geometries[joint].penetrationDepth for joint in select.tolist()])
 
     def shear_stresses(self, select):
         """As of SceneReader, complex."""
-        force = self.model.work.numbers.read(select)[2]
+        shear = [self.physics[joint].shearForce for joint in select.tolist()]
+        force = np.array([(on[0], on[1], on[2]) for on in shear]).T
         _, along, through = _product(self._axes[:, :, select], force)
         return -self.model.signs[select] * (along + 1j * through) / self.area[select]
 
