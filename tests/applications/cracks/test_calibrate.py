@@ -19,7 +19,7 @@ TRIPLET, COUPLET = (
 HEAD = "specimen,normal_stress_mpa,opening_mm,shear_stress_mpa,slip_mm\n"
 
 
-def test_virtual_tests_give_their_inputs_back(tmp_path, damage_command):
+def test_virtual_tests_give_their_inputs_back(tmp_path, output_of):
     """Between two samples the shear stress grows by 2.3 kPa, by which a peak can be missed."""
     for stress in (0.2e6, 0.6e6, 1e6):
         damage.run(
@@ -30,8 +30,8 @@ def test_virtual_tests_give_their_inputs_back(tmp_path, damage_command):
         )
     damage.run(COUPLET, pushover=0.004, speed=2e-5, contacts="gauss", out=tmp_path / "c.h5")
     histories, table = sorted(tmp_path.glob("*.h5")), tmp_path / "tests.csv"
-    said = damage_command("calibrate", *histories, "--csv", table, status=0).stdout
-    found = json.loads(damage_command("calibrate", table, "--json", status=0).stdout)
+    said = output_of("calibrate", *histories, "--csv", table)
+    found = json.loads(output_of("calibrate", table, "--json"))
     joint = TRIPLET.joint
     for name, expected, rel in (
         ("normal_stiffness", joint.normal_stiffness, 0.01),

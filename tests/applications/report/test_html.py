@@ -154,26 +154,14 @@ class TestInShort:
             (pytest.approx(0.3), "mm"),
             (pytest.approx(40), "mm/s"),
         ]
-        assert (
-            len(found["lines"]) == 5
-            and "0.5 mm is left, of which 0.3 mm came with the motion" in found["lines"][3]
-        )
+        assert "0.5 mm is left, of which 0.3 mm" in found["lines"][3]
 
-    def test_in_dutch(self):
-        found = self.plain("nl")
-        assert found["lines"][0].startswith(
-            "De muur is 3 keer geschud; de sterkste beweging had een trillingssnelheid"
-        )
-        assert [shown for _, _, shown, *_ in found["cards"]] == ["0,5", "0,3", "40"]
+    def test_numbers_in_dutch_have_a_comma(self):
+        assert [shown for _, _, shown, *_ in self.plain("nl")["cards"]] == ["0,5", "0,3", "40"]
 
     def test_it_is_in_the_page(self, one, page_of_one):
-        assert "In short" in page_of_one.text and "The technical part follows." in page_of_one.text
-        dutch = Page(page([one.path], [], Words(language="nl")))
-        assert "In het kort" in dutch.text and {
-            "class": "plain",
-            "lang": "nl",
-            "aria-label": "In het kort",
-        } in dutch.all("section")
+        assert "In short" in page_of_one.text
+        assert "In het kort" in Page(page([one.path], [], Words(language="nl"))).text
 
 
 class TestOneRun:
@@ -229,26 +217,6 @@ class TestOneRun:
             int(drift.idxmax()),
             int(drift.idxmin()),
         } <= instants
-
-    def test_measures_are_those_of_the_summary_with_unit_and_meaning(self, one, page_of_one):
-        parsed = [float(data["value"]) for data in page_of_one.all("data")]
-        summary = summarise(one)
-        for value in (
-            summary["max"]["DI"],
-            summary["residual"]["DI_slip"],
-            summary["max_drift_ratio"],
-            summary["max_psi"],
-            summary["peak_base_shear_n"],
-            summary["input_energy_j"],
-        ):
-            assert value in parsed
-        for words in (
-            "max_crack_width_mm",
-            "Korswagen's damage parameter",
-            "largest absolute drift ratio",
-            "supplied",
-        ):
-            assert words in page_of_one.text
 
     def test_pictures_of_the_wall_built_and_damaged_are_there_without_scripts(self, one):
         assert base64.b64decode(still(one))[:4] == base64.b64decode(preview(one))[:4] == b"\x89PNG"
@@ -318,12 +286,6 @@ class TestSideBySide:
         difference = summarise(other)["max"]["DI"] - summarise(one)["max"]["DI"]
         assert difference > 0
         assert repr(difference) in [data["value"] for data in parsed.all("data")]
-        assert [panel["title"] for panel in parsed.data["charts"]][2:] == [
-            "DI",
-            "DI drift",
-            "DI open",
-            "DI slip",
-        ]
         assert {panel["lines"][1]["dash"] for panel in parsed.data["charts"]} == {"dash"}
 
 
