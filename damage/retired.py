@@ -31,6 +31,19 @@ RETIRED = {
         "--opensees of export went in 0.2; history.joints of a run has each contact point's bodies,"
         " place, stiffnesses and strengths, docs/guides/other-programs.md what OpenSees calls them"
     ),
+    "brick-order": Retired(
+        "--brick-order went in 0.2; deformable bricks have strain modes of order 2: leave it out",
+        default=2,
+    ),
+    "plane": Retired(
+        "--plane went in 0.2; deformable bricks are in plane stress: leave it out",
+        default="stress",
+    ),
+    "brick-mass": Retired(
+        "--brick-mass went in 0.2; the mass of deformable bricks' strain modes is taken 9 times:"
+        " leave it out",
+        default=9.0,
+    ),
     "brick-cells": Retired(
         "--brick-cells went in 0.2; deformable bricks have strain modes, in the reference solver:"
         " give --bricks deformable alone",

@@ -42,7 +42,6 @@ RUNS = {  # name: wall, words of damage.run
             "harmonic": (0.05, 1.2),
             "bricks": "deformable",
             "contacts": "gauss",
-            "brick_mass": 16,
         },
     ),
     "pushed": (SMALL, {"pushover": 0.05, "lintel": 2}),

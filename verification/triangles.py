@@ -58,7 +58,7 @@ class Mesh:
     def matrices(self):
         """Stiffness (sparse) and lumped masses."""
         wall, bodies = self.layout.wall, self.layout.bodies
-        elasticity = elasticity_of(wall.brick, "stress")
+        elasticity = elasticity_of(wall.brick)
         mass, rows, columns, values = np.zeros(self.size), [], [], []
         for b in range(self.layout.n_bricks):
             points, triangles = self.nodes(b), self.triangles(b)

@@ -3,7 +3,7 @@
 A brick in running bond splits through its middle, below or above a head joint.  Its middle section
 is judged by the largest principal stress (Rankine) at its lower edge, its centre and its upper
 edge, in every snapshot.  The stresses at the edges are means of those at the corners, which is
-exact where stresses are linear (strain modes of order 2, the default).  A brick's bending
+exact, as stresses of strain modes of order 2 are linear.  A brick's bending
 moment is its mean over the brick's length, two thirds of the maximum under a uniform load between
 supports at its ends. The bricks of such a run stay whole: the measure shows where they would not.
 """

@@ -171,7 +171,7 @@ def describe_brick(brick, options=None):
         f" {brick.density:.4g} kg/m3, modulus {brick.young_modulus / MEGA:.4g} MPa"
     )
     if options and options.has_modes:
-        line += f", deformable (order {options.brick_order}, plane {options.plane})"
+        line += ", deformable"
         return (
             f"{line}, tensile strength {brick.tensile_strength / MEGA:.4g} MPa"
             if brick.splits

@@ -13,7 +13,6 @@ SOILS = (1e5, 1e12)
 
 _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
 """Of lintels that are whole by their name."""
-_OF_MODES = ("brick_order", "plane", "brick_mass", "brick_damping")
 _OF_SOIL = ("soil_shear", "footing", "soil_velocity")
 
 
@@ -47,9 +46,7 @@ class ModelOptions:
     fibres: bonds with fracture energies are so many brittle ones in parallel
         (`damage.wall.fibres`); 0: the smooth law, which YADE does not have: there 16.
     bricks: "rigid", their compliance lumped into the joints, or "deformable"
-        (`damage.wall.strain`), with polynomials of brick_order 2 or 3 in plane "stress" or
-        "strain", the mass of the strain modes times brick_mass, which lengthens the time step by
-        its root, and brick_damping of their critical damping.
+        (`damage.wall.strain`), with brick_damping of their strain modes' critical damping.
     """
 
     lintel: str = text(
@@ -179,34 +176,6 @@ class ModelOptions:
             " strain modes (reference solver)"
         ),
     )
-    brick_order: int = quantity(
-        "1",
-        2,
-        3,
-        whole=True,
-        default=2,
-        metavar="2|3",
-        tag="order-{brick_order}",
-        help="deformable bricks: order of their displacements, 2 (linear strain) or 3",
-    )
-    plane: str = choice(
-        ("stress", "strain"),
-        default="stress",
-        tag="plane-{plane}",
-        help="deformable bricks: plane stress, or plane strain",
-    )
-    brick_mass: float = quantity(
-        "1",
-        1,
-        25,
-        default=9.0,
-        metavar="FACTOR",
-        tag="brick-mass-{brick_mass:g}",
-        help=(
-            "deformable bricks: factor on the mass of their strain modes, 1 to 25; the time "
-            "step grows with its root"
-        ),
-    )
     brick_damping: float = quantity(
         "1",
         0,
@@ -231,7 +200,7 @@ class ModelOptions:
             "without --soil: expected the soil's stiffness [N/m3], too; give both, or leave it out",
         )
         self._check_default(
-            () if self.has_modes else _OF_MODES,
+            () if self.has_modes else ("brick_damping",),
             "with rigid bricks: expected only beside --bricks deformable; give both, or leave it"
             " out",
         )

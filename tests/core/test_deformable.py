@@ -34,7 +34,7 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.strain import brick_modes, elasticity_of, modes_of
+from damage.wall.strain import MASS_FACTOR, brick_modes, elasticity_of, modes_of
 from verification.triangles import Mesh
 
 BRICK, JOINT = Brick(), Joint()
@@ -69,7 +69,7 @@ def forces(layout):
 
 @pytest.mark.parametrize(("order", "number"), [(2, 9), (3, 17)])
 def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
-    modes = brick_modes(BRICK, LENGTH, order, "stress")
+    modes = brick_modes(BRICK, LENGTH, order)
     assert len(modes.frequency) == number
     place, weight = np.polynomial.legendre.leggauss(8)
     x, z = (axis.ravel() for axis in np.meshgrid(place * LENGTH / 2, place * HEIGHT / 2))
@@ -85,7 +85,7 @@ def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
 def test_modes_solve_the_eigenproblem_by_gauss_points(length, order):
     """Stresses of modes times strains of modes, over the brick, are the squares of their
     frequencies."""
-    modes = brick_modes(BRICK, length, order, "strain")
+    modes = brick_modes(BRICK, length, order)
     place, weight = np.polynomial.legendre.leggauss(5)
     x, z = (axis.ravel() for axis in np.meshgrid(place * length / 2, place * HEIGHT / 2))
     volume, stress = (
@@ -109,24 +109,18 @@ def test_eigenvalues_are_those_of_lapack(n):
         assert_allclose((vectors * squares) @ vectors.T, matrix, atol=1e-14 * np.abs(matrix).max())
 
 
-@pytest.mark.parametrize(
-    ("plane", "normal", "ratio"),
-    [
-        ("stress", 5.2e9 / (1 - 0.2037**2), 0.2037),
-        ("strain", 5.2e9 * 0.7963 / 1.2037 / 0.5926, 0.2037 / 0.7963),
-    ],
-)
-def test_elasticity_in_the_plane(plane, normal, ratio):
-    elasticity = elasticity_of(BRICK, plane)
+def test_elasticity_in_plane_stress():
+    ratio = 0.2037
+    normal = 5.2e9 / (1 - ratio**2)
     assert_allclose(
-        elasticity,
+        elasticity_of(BRICK),
         [[normal, ratio * normal, 0], [ratio * normal, normal, 0], [0, 0, 2.16e9]],
         rtol=2e-4,
     )
 
 
 def test_stresses_are_those_of_the_displacements():
-    modes, step = brick_modes(BRICK, LENGTH, 3, "strain"), 1e-6
+    modes, step = brick_modes(BRICK, LENGTH, 3), 1e-6
     x, z = np.array([0.03, -0.1]), np.array([0.02, -0.03])
     dx, dz = (
         (
@@ -137,7 +131,7 @@ def test_stresses_are_those_of_the_displacements():
         for i, j in ((1, 0), (0, 1))
     )
     strain = np.stack([dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]], axis=1)
-    stress = np.einsum("ij,pjm->pim", elasticity_of(BRICK, "strain"), strain)
+    stress = np.einsum("ij,pjm->pim", elasticity_of(BRICK), strain)
     assert_allclose(modes.stress(x, z), stress, atol=1e-7 * np.abs(stress).max())
 
 
@@ -160,7 +154,7 @@ def finite_elements(n_x, n_z, number):
         return found
 
     (mass_x, stiff_x, mixed_x), (mass_z, stiff_z, mixed_z) = line(n_x, LENGTH), line(n_z, HEIGHT)
-    (c11, c12, _), (_, c22, _), (_, _, shear) = elasticity_of(BRICK, "stress")
+    (c11, c12, _), (_, c22, _), (_, _, shear) = elasticity_of(BRICK)
     beside = c12 * np.kron(mixed_x, mixed_z.T) + shear * np.kron(mixed_x.T, mixed_z)
     stiffness = np.block(
         [
@@ -186,9 +180,7 @@ def test_strain_modes_converge_by_their_order():
     stretching nothing from even p.
     """
     p = np.array([2, 4, 8])
-    found = {
-        order: brick_modes(BRICK, LENGTH, order, "stress").frequency[:2] for order in (*p, 3, 12)
-    }
+    found = {order: brick_modes(BRICK, LENGTH, order).frequency[:2] for order in (*p, 3, 12)}
     assert_allclose(finite_elements(8, 4, 2), found[12], rtol=1e-3)
     assert_allclose(
         [found[2] / found[12] - 1, found[3] / found[12] - 1],
@@ -206,11 +198,10 @@ def test_strain_modes_converge_by_their_order():
 # --- statics ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("order", [2, 3])
-def test_patch(order):
+def test_patch():
     """Uniform pressure on top of a wall on a base without friction: every stress in every brick is
     that pressure."""
-    pressure, layout = 1e6, lay(4, 6, Joint(**ELASTIC), brick_order=order)
+    pressure, layout = 1e6, lay(4, 6, Joint(**ELASTIC))
     contacts = layout.contacts
     base = np.flatnonzero(contacts.first < 0)
     shear = contacts.shear_stiffness.copy()
@@ -258,29 +249,25 @@ def of_timoshenko(layout):
     )
 
 
-@pytest.mark.parametrize(("factor", "courses", "order"), [(1, 36, 2), (1000, 36, 3)])
-def test_a_bonded_cantilever_bends_as_timoshenkos_beam(factor, courses, order):
+@pytest.mark.parametrize(("factor", "share"), [(1, 0.999), (1000, 0.994)])
+def test_a_bonded_cantilever_bends_as_timoshenkos_beam(factor, share):
     """A plate clamped over its whole width is stiffer by 0.15 % at 36 courses (0.9985 by 12 x 71
-    elements of nine nodes), and order 2 with stiff joints by 0.4 % more: half as much at twice the
-    height."""
-    found, bending, sheared = of_timoshenko(lay(2, courses, stiffer(factor), brick_order=order))
-    assert_allclose(found, bending + sheared, rtol=5e-3)
+    elements of nine nodes), and strain modes with stiff joints by 0.4 % more: half as much at twice
+    the height."""
+    found, bending, sheared = of_timoshenko(lay(2, 36, stiffer(factor)))
+    assert found / (bending + sheared) == pytest.approx(share, abs=1e-3)
 
 
-@pytest.mark.parametrize(("order", "missing"), [(2, 0.12), (3, 0.0)])
-def test_without_lateral_contraction_order_3_bends_exactly(order, missing):
-    """At a Poisson's ratio of zero the clamped base restrains nothing.  Order 3 is then exact;
-    order 2 loses a constant share of the shear deflection, whose stress is a parabola over the
-    width."""
+def test_without_lateral_contraction_a_share_of_the_shear_deflection_is_lost():
+    """At a Poisson's ratio of zero the clamped base restrains nothing.  Strain modes of order 2
+    lose a constant share of the shear deflection, whose stress is a parabola over the width."""
     brick = Brick(shear_modulus=BRICK.young_modulus / 2)
     for courses in (18, 36):
         wall = Wall(
             "w", 2 * LENGTH, courses * HEIGHT, precompression=0.0, joint=stiffer(1000), brick=brick
         )
-        found, bending, sheared = of_timoshenko(
-            lay_out(wall, ModelOptions(**DEFORMABLE, brick_order=order))
-        )
-        assert (bending + sheared - found) / sheared == pytest.approx(missing, abs=0.015)
+        found, bending, sheared = of_timoshenko(lay_out(wall, ModelOptions(**DEFORMABLE)))
+        assert (bending + sheared - found) / sheared == pytest.approx(0.12, abs=0.015)
 
 
 # --- waves and periods --------------------------------------------------------------------------
@@ -302,12 +289,11 @@ def test_the_first_period_is_that_of_a_triangle_mesh():
 
 
 def test_mass_scaling_lengthens_the_step_and_leaves_the_period():
-    found = {
-        factor: natural_modes(lay(2, 12, precompression=3e5, brick_mass=factor), 1)
-        for factor in (1.0, 9.0)
-    }
-    assert_allclose(found[9.0].period_s, found[1.0].period_s, rtol=1e-3)
-    assert 2 < found[9.0].critical_time_step_s / found[1.0].critical_time_step_s <= 3
+    layout = lay(2, 12, precompression=3e5)
+    of_true_mass = replace(layout.strain, mass=layout.strain.mass / MASS_FACTOR)
+    true, scaled = (natural_modes(one, 1) for one in (replace(layout, strain=of_true_mass), layout))
+    assert_allclose(scaled.period_s, true.period_s, rtol=1e-3)
+    assert 2 < scaled.critical_time_step_s / true.critical_time_step_s <= 3
 
 
 # --- dynamics -----------------------------------------------------------------------------------
@@ -321,8 +307,8 @@ def solver_of(layout, factor=0.5):
 def test_a_strain_mode_vibrates_at_its_frequency_and_decays_by_its_damping(ratio):
     """A brick on joints a millionth as stiff: q = exp(-zeta w t) sin(w_d t) / w_d, w its frequency
     over sqrt(mass)."""
-    layout = lay(1, 1, stiffer(1e-6), brick_damping=ratio, brick_mass=4.0)
-    frequency = modes_of(layout, 0).frequency[1] / 2.0
+    layout = lay(1, 1, stiffer(1e-6), brick_damping=ratio)
+    frequency = modes_of(layout, 0).frequency[1] / np.sqrt(MASS_FACTOR)
     solver = ReferenceSolver(layout, 0.002 / frequency)
     solver.start(np.zeros((0, 2)), np.zeros(1))
     solver.system.velocity[0, RIGID + 1] = 1e-6
@@ -377,11 +363,7 @@ def test_damping_of_static_solutions_acts_on_strain_modes(damping):
 
 def test_a_run_has_a_balanced_history(run_of, tmp_path, monkeypatch):
     history = run_of("deformable")
-    assert (history.model.bricks, history.model.brick_mass, history.model.contacts) == (
-        "deformable",
-        16.0,
-        "gauss",
-    )
+    assert (history.model.bricks, history.model.contacts) == ("deformable", "gauss")
     assert energy_error(history.series) < 5e-3
     assert history.series["damping_energy_j"].iloc[-1] > 0
     assert set(history.events["kind"]) >= {"tension", "opened"}
@@ -409,7 +391,7 @@ def check_stresses(history):
 
 
 def test_options_of_deformable_bricks_alone():
-    assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_order=3)
+    assert "beside --bricks deformable" in one_line_error(ModelOptions, brick_damping=0.1)
     assert "even number" in one_line_error(ModelOptions, contacts="gauss", cells=3)
     soft = Wall("w", 0.9, 0.45, brick=Brick(shear_modulus=1e9))
     assert "Poisson's ratio" in one_line_error(lay_out, soft, ModelOptions(**DEFORMABLE))
@@ -428,6 +410,4 @@ def test_choices_that_do_not_suit_deformable_bricks_are_warned_of():
     splitting = replace(soft, brick=Brick(tensile_strength=2e6))
     (whole,) = deformable_warnings(suited, splitting)
     assert "a tensile strength of 2 MPa of the bricks: deformable bricks do not split" in whole
-    assert describe_brick(BRICK, suited).endswith(
-        "modulus 5200 MPa, deformable (order 2, plane stress)"
-    )
+    assert describe_brick(BRICK, suited).endswith("modulus 5200 MPa, deformable")

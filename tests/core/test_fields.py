@@ -87,8 +87,8 @@ def test_nothing_in_a_word_is_no_fracture_energy(name, value):
 
 
 def test_an_option_is_called_as_it_is_typed():
-    assert one_line_error(lambda: ModelOptions(brick_mass=30)).startswith(
-        "--brick-mass = 30: expected a number"
+    assert one_line_error(lambda: ModelOptions(brick_damping=30)).startswith(
+        "--brick-damping = 30: expected a number"
     )
     assert one_line_error(lambda: ModelOptions(footing=30)).startswith(
         "--footing [m] = 30: expected a number"

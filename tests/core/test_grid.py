@@ -125,9 +125,7 @@ GRID = {
     ),
     "bricks that split": Case({"brick": replace(BRICK, tensile_strength=2e4)}),
     "strain modes": Case(options={"bricks": "deformable", "contacts": "gauss"}),
-    "strain modes of order 3, softening": Case(
-        {"joint": SOFT}, {"bricks": "deformable", "brick_order": 3}, peak=40.0
-    ),
+    "strain modes, softening": Case({"joint": SOFT}, {"bricks": "deformable"}, peak=40.0),
     "new contacts": Case(
         {"length": 0.2, "height": 0.3, "openings": (), "precompression": 0.0, "joint": DRY},
         new_contacts=True,

@@ -156,7 +156,6 @@ def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):
     [
         ModelOptions(),
         ModelOptions(contacts="gauss", bricks="deformable"),
-        ModelOptions(contacts="gauss", bricks="deformable", brick_order=3),
     ],
 )
 @pytest.mark.parametrize("restraints", [(), (Restraint("top"), Restraint("left"))])

@@ -62,13 +62,13 @@ KINDS = {
 }
 KINDS["drawn"] = KINDS["all of it"]
 WEAKER = {"tensile_strength": 1e3, "cohesion": 1e3}
-MODES = {"bricks": "deformable", "contacts": "gauss", "brick_mass": 25.0}
+MODES = {"bricks": "deformable", "contacts": "gauss"}
 DEFORMABLE = {
     "deformable": (WEAKER, {}, MODES),
-    "deformable, softening and crushing, order 3": (
+    "deformable, softening and crushing": (
         SOFT | WEAKER | {"compressive_strength": 2e4, "compressive_fracture_energy": 0.1},
         {},
-        MODES | {"brick_order": 3},
+        MODES,
     ),
 }
 ACTIONS = {
