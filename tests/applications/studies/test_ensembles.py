@@ -37,6 +37,10 @@ class TestGrid:
         ]
         assert tables[1]["options"]["x"] == "a2.5" and "vary" not in tables[0]
 
+    def test_a_range_has_both_ends(self):
+        grid = {"wall": "{w}.py", "vary": {"w": {"from": 2, "to": 4}}}
+        assert [one["wall"] for one in expand(grid, "here")] == ["2.py", "3.py", "4.py"]
+
     def test_rows_of_a_file_go_with_every_value_of_vary(self, tmp_path):
         (tmp_path / "list.csv").write_text(
             f"record,start,end,scale\n{BGAR},18,19,2\n{BGAR},18.5,20,0.5\n\n"
