@@ -314,7 +314,7 @@ def test_a_file_that_is_missing_binary_or_too_large_is_refused(tmp_path, monkeyp
         file.truncate(10**12)  # a hole
     assert "1e+06 MB" in one_line_error(read_record, path)
     for lines in ("\n" * 5 + "0,1\n" * 40, "0,1\n" * 40):  # 28 MB of them took ten seconds
-        written(path, lines)
+        path = written(tmp_path / "motion.csv", lines)
         monkeypatch.setattr(formats, "MOST_LINES", 30)
         assert "more than 30 lines" in one_line_error(read_record, path)
         monkeypatch.setattr(formats, "MOST_LINES", 100)
