@@ -5,11 +5,7 @@ import json
 import os
 import re
 import shutil
-import signal
 import string
-import subprocess
-import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -68,7 +64,7 @@ from damage.applications.groningen.exposure.lives import read_address
 from damage.applications.report.words import LANGUAGES, all_words, number
 from damage.applications.studies import folder
 from damage.applications.studies.definition import load_study
-from damage.applications.studies.records import line_of, point_line, read_records
+from damage.applications.studies.records import read_records
 from damage.history.reader import read_history
 from damage.law.modes import Modes
 from damage.measure.cracks import ENDS
@@ -201,11 +197,16 @@ class TestTwins:
         )
 
     def test_what_was_lost_is_made_again_and_more_draws_change_no_other(self, claimed):
+        """The patterns of one run, and what a kill left out of the record of another."""
         before = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}
         (claimed / "patterns" / f"{BOTH}_from1_reference_s2.npz").unlink()
+        records = read_records(claimed)
+        seal = records.runs[f"{BOTH}_from1_reference_s3"].pop("patterns")
+        (claimed / "records.jsonl").write_text(records.text())
         assert main(words(claimed.parent, draws=4)) == 0
         after = {path.name: path.read_bytes() for path in (claimed / "patterns").iterdir()}
         assert len(after) == 8 and {name: after[name] for name in before} == before
+        assert read_records(claimed).runs[f"{BOTH}_from1_reference_s3"]["patterns"] == seal
 
     def test_patterns_of_two_runs_that_were_exchanged_are_refused(self, claimed):
         one, other = (
@@ -221,26 +222,6 @@ class TestTwins:
             f"{one} is not what its run wrote" in said
             and "delete it, and the same command makes it again" in said
         )
-
-    def test_patterns_that_a_record_does_not_name_are_made_again(self, claimed):
-        """As where a kill came between them."""
-        lines, path = (
-            (claimed / "records.jsonl").read_text().splitlines(),
-            claimed / "records.jsonl",
-        )
-        kept_lines = [
-            line
-            for line in lines
-            if '"run"' not in line or f"{BOTH}_from1_reference_s3" not in line
-        ]
-        record = next(
-            json.loads(line) for line in lines if f'"run": "{BOTH}_from1_reference_s3"' in line
-        )
-        seal = record.pop("patterns")
-        del record["sha256"]
-        path.write_text("\n".join(kept_lines) + "\n" + line_of(record))
-        assert main(words(claimed.parent)) == 0
-        assert read_records(claimed).runs[f"{BOTH}_from1_reference_s3"]["patterns"] == seal
 
 
 class TestGround:
@@ -511,27 +492,19 @@ class TestLikeness:
 
 class TestSheet:
     def test_every_share_of_the_sheet_is_in_the_json(self, claimed):
-        page, numbers = (
-            (claimed / "claim.html").read_text(),
-            json.loads((claimed / "claim.json").read_text()),
-        )
+        page = (claimed / "claim.html").read_text()
+        numbers = json.loads((claimed / "claim.json").read_text())
         for row in numbers["all_draws"]["0.5"].values():
             if row["share"] is not None:
-                assert (
-                    f"{round(100 * row['share'])}"
-                    f" ({round(100 * row['low'])}-{round(100 * row['high'])})" in page
-                )
-        assert numbers["shaking"]["catalogue_ends"] == "2014-12-30"
-        assert "<strong>The list of earthquakes ends on 2014-12-30." in page
-        assert "from 20 to 70 % of its Arias intensity is used" in page
+                shown = (f"{100 * row[name]:.0f}" for name in ("share", "low", "high"))
+                assert "{} ({}-{})".format(*shown) in page
+        assert numbers["shaking"]["catalogue_ends"] == "2014-12-30" and "2014-12-30" in page
+        assert "from 20 to 70 % of its Arias intensity" in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
-        assert "would help: Levels measured along the front" in describe(numbers)
         assert [one["crack"] for one in numbers["cracks"]] == ["A", "B"]
-        assert ">A</text>" in page and page.count("<td>no answer</td>") == 4
+        assert page.count("<td>no answer</td>") == 4
         like = number("en", min(numbers["effective_draws"].values()))
-        assert like != "0" and f"no answer: only {like} of the computed walls resemble" in describe(
-            numbers
-        )
+        assert like != "0" and f"only {like} of the computed walls" in describe(numbers)
 
     def test_evidence_is_that_of_all_runs(self, claimed):
         twins = read_twins(claimed, layout_of(claimed.parent / "narrow.py"))
@@ -553,18 +526,11 @@ class TestSheet:
         for k, one in enumerate(numbers["crack_width_mm"].values()):
             one["like_survey"]["added"] = [0.03 - 0.01 * k, 0.1, 0.2 + 0.01 * k]
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
-        assert (
-            "No answer" not in page
-            and (
-                "The earthquakes added 0.01 to 0.22 mm to the widest crack, which is "
-                "0.15 mm wide in the survey."
-            )
-            in page
-        )
-        assert "The survey covers 40 of 100 joints of the front" in page
+        assert "No answer" not in page and "40 of 100 joints" in page
+        assert "added 0.01 to 0.22 mm to the widest crack, which is 0.15 mm wide" in page
         one["like_survey"]["added"][0] = -0.1
         page = sheet(numbers, layout, survey, twins, "en", "claim.json")
-        assert "The earthquakes changed the widest crack by -0.1 to 0.22 mm" in page
+        assert "by -0.1 to 0.22 mm" in page
 
     def test_both_languages_are_whole(self):
         for key, texts in all_words().items():
@@ -598,13 +564,7 @@ class TestSheet:
     def test_a_dutch_sheet_has_no_english_text(self, claimed, capsys):
         assert main(words(claimed.parent, "--language", "nl", draws=4)) == 0
         printed = capsys.readouterr()
-        said = printed.out + printed.err
-        assert "--draws 4: het blad zal geen antwoord hebben" in printed.err
-        assert [
-            line
-            for line in said.split("\n")
-            if re.search(r"(?<![\w-])(the|draws|expected)(?![\w-])", line)
-        ] == []
+        assert not re.search(r"(?<![\w-])(the|draws|expected)(?![\w-])", printed.out + printed.err)
         page = re.sub(r"\s+", " ", (claimed / "claim.html").read_text())
         assert '<html lang="nl">' in page and "Geen antwoord" in page
         parts = [
@@ -629,46 +589,20 @@ class TestOneFolder:
         assert "another batch is at work" in capsys.readouterr().err
         assert before == {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
 
-    @pytest.mark.long
-    def test_a_claim_beside_which_others_are_refused_is_that_of_one_left_alone(
-        self, claimed, tmp_path, damage_command
-    ):
-        def line(out, *more):
-            return [*words(claimed.parent, draws=12)[:-1], tmp_path / out, *more]
-
-        damage_command(*line("alone"), status=0)
-        first = subprocess.Popen([sys.executable, "-m", "damage", *line("both")], cwd=REPOSITORY)
-        records = tmp_path / "both/records.jsonl"
-        while not (records.exists() and '"row"' in records.read_text()):
-            assert first.poll() is None
-            time.sleep(0.02)
-        os.kill(first.pid, signal.SIGSTOP)  # it must not end before these come
-        for more in (("--seed", "7"), ("--settle", "hogging", "--distortion", "1/2000")):
-            said = damage_command(*line("both", *more), status=2).stderr
-            assert "another batch is at work" in said
-        os.kill(first.pid, signal.SIGCONT)
-        assert first.wait() == 0
-        files = [
-            {path.name: path.read_bytes() for path in (*one.glob("patterns/*"), one / "claim.json")}
-            for one in (tmp_path / "alone", tmp_path / "both")
-        ]
-        assert len(files[0]) > 24 and files[0] == files[1]
-
     def test_a_first_sheet_comes_before_that_of_all_draws(
         self, claimed, tmp_path, capsys, monkeypatch
     ):
-        monkeypatch.setattr(make, "STEPS", (3, 4, 8))
+        monkeypatch.setattr(make, "STEPS", (2, 3, 8))
         written_numbers = []
         monkeypatch.setattr(
             make, "sheet", lambda numbers, *_: written_numbers.append(dict(numbers)) or "a sheet"
         )
         out = shutil.copytree(claimed, tmp_path / "out")
-        assert main([*words(claimed.parent, draws=6)[:-1], str(out)]) == 0
+        assert main([*words(claimed.parent, draws=4)[:-1], str(out)]) == 0
         of_sheets = [(one["draws"], one["draws_to_come"]) for one in written_numbers]
-        assert of_sheets == [(3, 6), (6, None)]
-        said = capsys.readouterr().out
-        assert "3 draws, not yet the answer" in said and "6 draws, effective number" in said
-        assert make.steps_to(None) == make.STEPS and make.steps_to(8) == (3, 4, 8)
+        assert of_sheets == [(2, 4), (4, None)]
+        assert "2 draws, not yet the answer" in capsys.readouterr().out
+        assert make.steps_to(None) == make.STEPS and make.steps_to(8) == (2, 3, 8)
 
     def test_the_pace_counts_no_draws_that_are_made_again(self, claimed, tmp_path):
         def kept(folder):
@@ -700,12 +634,7 @@ class TestOneFolder:
         )
         records = read_records(out)
         records.runs["both_from1_reference_s1"]["row"]["model_digest"] = "of before"
-        (out / "records.jsonl").write_text(
-            "".join(map(line_of, records.runs.values()))
-            + "".join(
-                point_line(point, key, records.inputs[key]) for point, key in records.points.items()
-            )
-        )
+        (out / "records.jsonl").write_text(records.text())
         assert "draws of 2 versions, model_digest" in one_line_error(
             read_twins, out, layout_of(claimed.parent / "narrow.py")
         )
@@ -713,19 +642,13 @@ class TestOneFolder:
         assert main(line) == 2 and (out / "former-claim.html").read_bytes() == before
         assert not (out / "claim.html").exists()
         said = capsys.readouterr().err
-        assert (
-            "another version of the model (reference of before) made 1 runs:"
-            " both_from1_reference_s1" in said
-        )
-        assert "give --remake to make these again, or another --out" in said
+        assert "made 1 runs: both_from1_reference_s1" in said and "give --remake" in said
         assert main([*line, "--remake"]) == 0
         made_by = json.loads((out / "claim.json").read_text())["made_by"]
-        assert (
-            made_by["draws"]["model_digest"] == new
-            and made_by["draws"]["measures_digest"] == measures_digest()
-        )
-        assert made_by["commit"] == commit() and len(made_by["draws"]["commit"]) > 6
-        assert f"model {new}, measures {measures_digest()}" in (out / "claim.html").read_text()
+        digests = {"model_digest": new, "measures_digest": measures_digest()}
+        assert made_by["commit"] == commit() and digests.items() <= made_by["draws"].items()
+        page = (out / "claim.html").read_text()
+        assert all(digest in page for digest in digests.values())
 
 
 def test_the_size_of_a_draw_does_not_depend_on_their_number(tmp_path):
@@ -740,12 +663,12 @@ def test_the_size_of_a_draw_does_not_depend_on_their_number(tmp_path):
     assert sizes[0] == sizes[1]
 
 
-def test_a_wall_of_the_repository_is_found_from_any_folder(claimed, tmp_path, monkeypatch, capsys):
+def test_a_wall_of_the_repository_is_found_from_any_folder(claimed, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(make, "_draw", lambda study, *_: study.runs[0].wall.endswith("small.py"))
     wall = os.path.relpath(REPOSITORY / "walls/variants/small.py")
     _, _, *more = words(claimed.parent, draws=2)[:-1]
-    assert main(["claim", wall, *more, "out"]) == 0
-    assert "contact points x" in capsys.readouterr().out
+    assert main(["claim", wall, *more, "out"]) == 1
 
 
 class TestBadInput:
@@ -765,42 +688,13 @@ class TestBadInput:
         assert said in error_of(*words(claimed.parent), *more, "--out", tmp_path / "new")
         assert not (tmp_path / "new" / "runs").exists()
 
-    @pytest.mark.parametrize(
-        "more, status",
-        [
-            (["--cracks", "far.csv"], 2),
-            ([], -15),
-        ],
-    )
-    def test_a_sheet_of_former_inputs_does_not_stay(self, claimed, tmp_path, more, status):
-        """Of a command that is refused, or that is stopped as soon as it begins."""
+    def test_a_sheet_of_former_inputs_does_not_stay(self, claimed, tmp_path, error_of):
+        """Of a command that is refused."""
         (out := tmp_path / "out").mkdir()
         for name in ("claim.html", "claim.json"):
             written(out / name, "of the former house")
-        written(tmp_path / "far.csv", CRACKS.replace("0.16,0.075,", "9,0,"))
-        process = subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "damage",
-                *words(claimed.parent, draws=200),
-                "--out",
-                out,
-                *more,
-            ],
-            cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": str(REPOSITORY)},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            text=True,
+        far = written(tmp_path / "far.csv", CRACKS.replace("0.16,0.075,", "9,0,"))
+        error_of(*words(claimed.parent), "--out", out, "--cracks", far)
+        assert {path.name: path.read_text() for path in out.iterdir()} == dict.fromkeys(
+            ("former-claim.html", "former-claim.json"), "of the former house"
         )
-        with process:
-            if status < 0:
-                process.stdout.readline()
-                process.terminate()
-            process.stdout.read()
-        assert process.returncode in ((status,) if status > 0 else (status, 130, 143))
-        assert not (out / "claim.html").exists() and not (out / "claim.json").exists()
-        assert {(out / f"former-claim.{end}").read_text() for end in ("html", "json")} == {
-            "of the former house"
-        }

@@ -12,7 +12,6 @@ import pytest
 from conftest import one_line_error, written
 from scipy import stats
 
-from damage.__main__ import main
 from damage.applications.groningen.exposure import places
 from damage.applications.groningen.exposure.catalogue import read_catalogue
 from damage.applications.groningen.exposure.columns import TABLES
@@ -178,7 +177,6 @@ class TestCatalogue:
     ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
     FIRST = "a1|2018-01-08T14:00:52.5|53.363|6.751|3.0|A|3.4|induced or triggered event\n"
     HEAD = "date_utc,time_utc,magnitude,easting_rd_m,northing_rd_m\n"
-    FDSN = "#EventID|Time|Latitude|Longitude|Magnitude\n"
 
     @pytest.mark.parametrize(
         "text, message",
@@ -187,17 +185,8 @@ class TestCatalogue:
                 HEAD + "2018-01-08,14:00:52,3.4,245789,598263\n2018-01-09,late,3,245789,598263\n",
                 "line 3: time",
             ),
-            (HEAD + "2018-01-08,14:00:52,strong,245789,598263\n", "line 2: magnitude = 'strong'"),
-            (HEAD + "2018-01-08,14:00:52,3.4,245789\n", "line 2: 4 cells"),
             (HEAD + "2018-01-08,14:00:52,3.4,598263,245789\n", "line 2: epicentre outside"),
             ("date_utc,time_utc,magnitude\n2018-01-08,14:00:52,3.4\n", "no epicentres"),
-            (HEAD, "no row"),
-            ("", "empty"),
-            ("magnitude\n3\n", "no column date_utc"),
-            (
-                FDSN + "a|2018-01-08T14:00:52|53.36|6.75|3.4\nb|2018-01-08T14:00:52|53.36|6.75\n",
-                "line 3: 4 cells",
-            ),
             ("#EventID|Time|Magnitude\na|2018-01-08|3\n", "line 1: no column latitude, longitude"),
             (
                 ALL + "q1|2018-02-08T14:00:58|53.36|6.75|0.0|A|1.5|quarry blast\n",
@@ -302,14 +291,7 @@ class TestCatalogue:
     ):
         """What both have is not doubled, what the models are not for is left out and named."""
         later, joined = written(tmp_path / "later.txt", self.LATER), tmp_path / "catalogue.csv"
-        said = output_of("catalogue", later, "--out", joined)
-        assert (
-            "1 of 2 events" in said and "from 2022-10-08 to 2022-10-08, the largest M 3.1" in said
-        )
-        assert (
-            "left out as deeper than 10 km" in said
-            and "1475 events from 1991-12-05 to 2022-10-08" in said
-        )
+        output_of("catalogue", later, "--out", joined)
         found = read_catalogue(joined)
         assert (
             len(found) == 1475
@@ -317,12 +299,8 @@ class TestCatalogue:
         )
         for name in ("time", "magnitude", "x_m", "y_m", "place", "id"):
             assert getattr(found, name)[:-1].tolist() == getattr(catalogue, name).tolist(), name
-        assert (
-            Exposure(places.at(53.36786, 6.71359), found, model_named("bommer-2022")).as_dict()[
-                "catalogue_ends"
-            ]
-            == "2022-10-08"
-        )
+        exposure = Exposure(places.at(*GARSTHUIZEN), found, model_named("bommer-2022"))
+        assert exposure.as_dict()["catalogue_ends"] == "2022-10-08"
         assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in error_of(
             "catalogue", later, "--catalogue", joined, "--out", tmp_path / "c.csv"
         )
@@ -349,93 +327,51 @@ class TestExposure:
         """2 000 draws; tolerance: four standard errors."""
         n = 2_000
         exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
-        drawn = exposure.median_mm_s[:, np.newaxis]
+        median, random = exposure.median_mm_s[:, np.newaxis], Draws(2)
+        largest = [
+            (median * np.exp(sum(exposure.model.draw(random, n // 10, len(median))))).max(axis=1)
+            for _ in range(10)
+        ]
         for level in (1, 2, 5):
-            random, over = Draws(2), 0
-            for _ in range(10):
-                pgv = drawn * np.exp(sum(exposure.model.draw(random, n // 10, len(drawn))))
-                over += int(np.sum(pgv.max(axis=1) > level))
             p = exposure.at_least_once(level)
-            assert over / n == pytest.approx(p, abs=4 * math.sqrt(p * (1 - p) / n))
+            share = np.mean(np.concatenate(largest) > level)
+            assert share == pytest.approx(p, abs=4 * math.sqrt(p * (1 - p) / n))
 
 
 class TestCommand:
     def test_json_and_files(self, output_of, tmp_path):
         found = json.loads(output_of("exposure", "--at", *LOPPERSUM, "--json", "--out", tmp_path))
         assert found["largest_median_mm_s"] == pytest.approx(12.96, abs=5e-3)
-        assert found["one_percent_mm_s"] == pytest.approx(48.97, abs=5e-3)
         columns = list(TABLES["exposure.csv"])
         assert len(found["events"]) == 1474 and set(found["events"][0]) == set(columns)
         table = pd.read_csv(tmp_path / "exposure.csv")
-        assert list(table) == columns and table["median_mm_s"].max() == pytest.approx(
-            12.96, abs=5e-3
-        )
-        assert {path.name for path in tmp_path.iterdir()} == {
-            "exposure.csv",
-            "exposure.png",
-            "exposure.pdf",
-        }
+        assert list(table) == columns and len(table) == 1474
+        assert {path.suffix for path in tmp_path.iterdir()} == {".csv", ".png", ".pdf"}
 
-    def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path):
+    def test_formulas_of_a_catalogue_reach_no_spreadsheet(self, tmp_path, output_of):
         """Place and identifier are foreign text."""
-        path = tmp_path / "events.txt"
-        path.write_text(
+        names = "+1+cmd", "-2+3", "@SUM(A1)", "'t Zandt", "-5", '=HYPERLINK("x")'
+        path = written(
+            tmp_path / "events.txt",
             "#EventID|Time|Latitude|Longitude|Magnitude|EventLocationName\n"
             + "".join(
-                f"{words}|2018-01-0{day}T14:00:52|53.36|6.75|3.4|{words}\n"
-                for day, words in enumerate(
-                    (
-                        "=cmd|calc",
-                        "+1+cmd",
-                        "-2+3",
-                        "@SUM(A1)",
-                        "'t Zandt",
-                        "-5",
-                        '=HYPERLINK("x")',
-                    ),
-                    1,
-                )
-                if words.count("|") == 0
-            )
+                f"{name}|2018-01-0{day}T14:00:52|53.36|6.75|3.4|{name}\n"
+                for day, name in enumerate(names, 1)
+            ),
         )
-        assert (
-            main(
-                [
-                    "exposure",
-                    "--at",
-                    "53.36",
-                    "6.75",
-                    "--catalogue",
-                    str(path),
-                    "--out",
-                    str(tmp_path / "out"),
-                ]
-            )
-            == 0
-        )
+        output_of("exposure", "--at", 53.36, 6.75, "--catalogue", path, "--out", tmp_path / "out")
         table = pd.read_csv(tmp_path / "out/exposure.csv", dtype=str)
-        for name in ("place", "id"):
-            assert list(table[name]) == [
-                "'+1+cmd",
-                "'-2+3",
-                "'@SUM(A1)",
-                "'t Zandt",
-                "-5",
-                '\'=HYPERLINK("x")',
-            ]
+        safe = ["'+1+cmd", "'-2+3", "'@SUM(A1)", "'t Zandt", "-5", '\'=HYPERLINK("x")']
+        assert list(table["place"]) == list(table["id"]) == safe
         assert list(from_words(table)["place"][[0, 3]]) == ["+1+cmd", "'t Zandt"]
 
     @pytest.mark.parametrize(
         "words, message",
         [
             ([], "which address"),
-            (["--at", "53.3", "6.7", "--rd", "245620", "594864"], "which address"),
             (["--at", "52.37", "4.88"], "nearest epicentre"),
-            (["--at", "53.3", "6.7", "--from", "1985"], "--from 1985"),
             (["--at", "53.3", "6.7", "--to", "2030"], "--to 2030"),
-            (["--at", "53.3", "6.7", "--catalogue", "no.csv"], "no.csv"),
             (["--at", "53.3", "6.7", "--component", "ROT"], "component = 'ROT'"),
-            (["--at", "53.3", "6.7", "--vs30", "nan"], "--vs30"),
             (
                 ["--rd", "245,789", "598263"],
                 "245,789: expected metres with a decimal point and nothing between thousands",
@@ -448,38 +384,14 @@ class TestCommand:
 
 
 def station_residuals(model, vs30_m_s=200.0):
-    """DataFrame with a row a station: station, epicentral_km, pgv_mm_s, median_mm_s, residual (of
-    ln PGV).
-
-    model: a GroundMotionModel of component LRG, GEO or MAX; PGV as the component defines it, of
-    both horizontal components.
-    """
-    table = (
-        pd.read_csv(COMPONENTS, comment="#")
-        .groupby("station", sort=False, as_index=False)
-        .agg(
-            latitude=("latitude", "first"),
-            longitude=("longitude", "first"),
-            largest=("pgv_mm_s", "max"),
-            product=("pgv_mm_s", "prod"),
-            rotd100=("pgv_rotd100_mm_s", "first"),
-        )
+    """Residuals of ln PGV at the stations, of the larger horizontal component."""
+    stations = pd.read_csv(COMPONENTS, comment="#").groupby("station", sort=False)
+    x_m, y_m = places.to_rd(
+        *(stations[name].first().to_numpy() for name in ("latitude", "longitude"))
     )
-    x_m, y_m = places.to_rd(table["latitude"].to_numpy(), table["longitude"].to_numpy())
     distance_km = np.hypot(x_m - ZEERIJP["x_m"], y_m - ZEERIJP["y_m"]) / 1e3
-    observed = {"LRG": table["largest"], "GEO": np.sqrt(table["product"]), "MAX": table["rotd100"]}[
-        model.component
-    ]
     median = model.median_mm_s(ZEERIJP["magnitude"], distance_km, vs30_m_s)
-    return pd.DataFrame(
-        {
-            "station": table["station"],
-            "epicentral_km": distance_km,
-            "pgv_mm_s": observed,
-            "median_mm_s": median,
-            "residual": np.log(observed / median),
-        }
-    )
+    return np.log(stations["pgv_mm_s"].max() / median)
 
 
 class TestResiduals:
@@ -488,7 +400,7 @@ class TestResiduals:
         may deviate by two standard errors, as the stations with their site terms are a sample; no
         event term is taken off."""
         model = Model()
-        found = station_residuals(model)["residual"]
+        found = station_residuals(model)
         within = math.hypot(model.deviations.phi_s2s, model.deviations.phi_ss)
         assert len(found) == 16 and abs(found.mean()) < 2 * math.hypot(
             within / 4, model.deviations.tau

@@ -1,6 +1,7 @@
-"""Lives of a wall: what is drawn, that a life is a sequence in lanes and studies, that it
-continues, probabilities."""
+"""Lives of a wall: what is drawn, that a life is a sequence in lanes and studies,
+probabilities."""
 
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -36,13 +37,11 @@ from damage.applications.groningen.life.results import (
 )
 from damage.applications.studies import folder as batch_folder
 from damage.applications.studies.definition import load_study
-from damage.applications.studies.records import NAME, read_records
 from damage.measure.cycles import shocks_table
 from damage.motion.sequence import read_sequence
-from damage.reference.session import run_references
 from damage.rounded import to_bits
 from damage.run.banner import event_lines
-from damage.run.options import parse_run, words_of
+from damage.run.options import parse_run
 
 WALL = "Wall('narrow', 0.9, 1.5)"
 ADDRESS = "latitude = 53.36786\nlongitude = 6.71359\nfirst_year = 2012\nlast_year = 2014\n"
@@ -142,14 +141,12 @@ class TestAddress:
         "text, message",
         [
             ("longitude = 6.7\n", "no address"),
-            ("", "no address"),
             (ADDRESS + "above = 2\n", "unknown key 'above'"),
             ("latitude = 52.09\nlongitude = 5.12\n", "from the nearest epicentre"),
             (ADDRESS.replace("2012", "1980"), "the first event"),
             (ADDRESS + "strong = [0.6, 0.1]\n", "strong"),
             (ADDRESS + "scale_to = 'pga'\n", "scale_to"),
             (ADDRESS + "seed = 1.5\n", "seed"),
-            ("latitude = [\n", "no TOML"),
             (ADDRESS + "catalogue = 'nowhere.csv'\n", "nowhere.csv"),
         ],
     )
@@ -169,11 +166,6 @@ class TestAddress:
         life = draws.life(3)
         (drawn,) = draws.event("2012-08-16T20:30", 3).itertuples(index=False)
         assert tuple(drawn) == next(life[life["id"] == median.id].itertuples(index=False))
-        refused_with(
-            "--event 2023-01-01: no event then in .* whose last is of 2014-12-30",
-            draws.event,
-            "2023-01-01",
-        )
         refused_with("--event 2006: no event then", draws.event, "2006")
 
     def test_a_run_of_one_event_is_that_of_its_record(self, tmp_path):
@@ -199,9 +191,7 @@ class TestAddress:
             and "life" not in settings.as_dict()
         )
         (said,) = event_lines(settings)
-        assert said.startswith(
-            "event of 2006-08-08T05:04:00 UTC, M 3.5 at Westeremden: PGV of 19.6 mm/s, its median"
-        )
+        assert "M 3.5 at Westeremden" in said and "19.6 mm/s, its median" in said
         for words in (
             ["--event", "2006-08-08"],
             ["--address", str(path)],
@@ -212,8 +202,8 @@ class TestAddress:
 
 @pytest.fixture(scope="module")
 def lived(tmp_path_factory):
-    """(folder, study, {number: contents of the history}) of six lives of a narrow wall that stepped
-    together."""
+    """Folder of a study of six lives of a narrow wall, which stepped together; all histories are
+    kept."""
     folder = tmp_path_factory.mktemp("life")
     wall_file(folder / "narrow.py", WALL)
     (folder / "a.toml").write_text(ADDRESS + FEW)
@@ -221,26 +211,13 @@ def lived(tmp_path_factory):
         'name = "s"\npictures = "none"\n[[runs]]\nid = "n"\nwall = "narrow.py"\n'
         'options = { address = "a.toml", rest = 0.1, strength-cov = 0.3 }\nlives = 6\n'
     )
-    (point,) = load_study(folder / "study.toml", "reference").runs
-    lines = [
-        (
-            str(number),
-            [
-                point.wall,
-                *words_of(
-                    point.options_of(number)
-                    | {
-                        "out": folder / f"{number}.h5",
-                        "pictures": False,
-                        "quiet": True,
-                    }
-                ),
-            ],
-        )
-        for number in range(1, 7)
-    ]
-    assert [status for _, status in run_references(iter(lines))] == [0] * 6
-    return folder, point, {number: contents(folder / f"{number}.h5") for number in range(1, 7)}
+    assert main(["study", str(folder / "study.toml"), "--out", str(folder), "-j1"]) == 0
+    return folder
+
+
+def history_of(folder, number):
+    """The path of the history of a life of that study."""
+    return folder / "runs" / f"n_from1_reference_s{number}.h5"
 
 
 def differing(one, other):
@@ -249,18 +226,20 @@ def differing(one, other):
 
 class TestRuns:
     def test_a_life_alone_equals_the_same_in_lanes_bit_for_bit(self, lived):
-        folder, _point, together = lived
         damage.run(
-            folder / "narrow.py",
-            address=folder / "a.toml",
+            lived / "narrow.py",
+            address=lived / "a.toml",
             life=3,
             rest=0.1,
             strength_cov=0.3,
-            out=folder / "alone.h5",
+            out=lived / "alone.h5",
         )
-        assert together[3].keys() == contents(folder / "alone.h5").keys()
-        assert differing(together[3], contents(folder / "alone.h5")) == []
-        assert differing(together[3], together[4]) != []
+        alone, third, fourth = (
+            contents(path)
+            for path in (lived / "alone.h5", history_of(lived, 3), history_of(lived, 4))
+        )
+        assert third.keys() == alone.keys() and differing(third, alone) == []
+        assert differing(third, fourth) != []
 
     def test_a_life_of_equal_events_equals_the_list_of_factors_bit_for_bit(
         self, tmp_path, monkeypatch
@@ -290,63 +269,35 @@ class TestRuns:
         life, listed = contents(tmp_path / "life.h5"), contents(tmp_path / "list.h5")
         assert len(life) > 20 and life.keys() == listed.keys() and differing(life, listed) == []
 
-    def test_a_killed_study_that_continues_has_the_same_lives(self, lived):
-        """Lives 1 to 6 by a study, which is then left as after a kill in the middle of a line, and
-        continues."""
-        folder, _point, _together = lived
-
-        def batch():
-            words = ("--keep", "summary", "--out", str(folder), "-j1")
-            assert main(["study", str(folder / "study.toml"), *words]) == 0
-            return read_records(folder).runs
-
-        whole = batch()
-        lines = (folder / NAME).read_text().splitlines(keepends=True)
-        (folder / NAME).write_text("".join(lines[:4]) + lines[4][:100])
-        assert 0 < len(read_records(folder).runs) < 6
-        again = batch()
-        assert {name: (one["shocks"], one["cycles"]) for name, one in again.items()} == {
-            name: (one["shocks"], one["cycles"]) for name, one in whole.items()
-        }
-        assert [damage.read_history(folder / "3.h5").series["shock"].iloc[-1]] == [
-            len(whole["n_from1_reference_s3"]["shocks"])
-        ]
-
     def test_the_tables_of_the_study_are_those_of_the_histories(self, lived):
-        """Runs after the study above."""
-        folder, _, _ = lived
-        (one,) = lives_of(folder)
+        (one,) = lives_of(lived)
         assert one.point == "n" and list(one.table["life"].unique()) == list(range(1, 7))
-        draws = read_address(folder / "a.toml")
+        draws = read_address(lived / "a.toml")
         for number, life in one.table.groupby("life"):
-            events = shocks_table(damage.read_history(folder / f"{number}.h5"))
+            events = shocks_table(damage.read_history(history_of(lived, number)))
             assert list(life["max_psi"]) == list(events["max_psi"])
             assert list(life["psi"]) == list(events["residual_psi"])
             assert list(life["pgv_mm_s"]) == list(draws.life(number)["pgv_mm_s"])
         assert one.table["max_psi"].max() > 0
 
     def test_a_folder_without_lives_is_refused(self, lived, tmp_path):
-        folder, *_ = lived
         for name in ("study.toml", "a.toml", "narrow.py"):
-            (tmp_path / name).write_text(
-                (folder / name).read_text().replace(str(folder), str(tmp_path))
-            )
+            shutil.copy(lived / name, tmp_path)
         assert "no life in it" in one_line_error(lives_of, tmp_path)
 
 
 class TestStudy:
     def test_lives_are_divided_into_points(self, lived):
-        folder, *_ = lived
-        text = (folder / "study.toml").read_text().replace("lives = 6", "lives = 100")
-        points = load_study(written(folder / "many.toml", text), "both").runs
+        text = (lived / "study.toml").read_text().replace("lives = 6", "lives = 100")
+        points = load_study(written(lived / "many.toml", text), "both").runs
         assert [(one.point, one.members, one.options_of(1)["life"]) for one in points] == [
             ("n_from1", 48, 1),
             ("n_from49", 48, 49),
             ("n_from97", 4, 97),
         ]
         assert {one.solver for one in points} == {"reference"}
-        (folder / "both.toml").write_text(text + "samples = 3\n")
-        assert "samples and lives" in one_line_error(load_study, folder / "both.toml", "reference")
+        both = written(lived / "both.toml", text + "samples = 3\n")
+        assert "samples and lives" in one_line_error(load_study, both, "reference")
 
     def test_the_command_s_study(self, tmp_path):
         """All events, and the largest alone; what the address's file says."""
