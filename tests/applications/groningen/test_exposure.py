@@ -16,12 +16,14 @@ from damage.applications.groningen.exposure import places
 from damage.applications.groningen.exposure.catalogue import read_catalogue
 from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.exposure.exposure import Exposure
-from damage.applications.groningen.exposure.ground_motion import COMPONENTS, ZEERIJP, model_named
+from damage.applications.groningen.exposure.ground_motion import COMPONENTS, model_named
 from damage.applications.groningen.exposure.models.bommer_2022 import Model
 from damage.csv_table import from_words
 from damage.draws import Draws
 
 getcontext().prec = 30
+ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
+"""The earthquake of 2018-01-08 as the catalogue that ships has it, epicentre in RD [m]."""
 GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3300, 6.9180)
 
 
