@@ -36,7 +36,9 @@ from damage.wall.parameters import Brick, Joint, Opening, Wall
 BRICK = Brick(0.2, 0.1, 0.1, 2000.0)
 WEAK = Joint(tensile_strength=2e4, cohesion=3e4)
 SOFT = replace(WEAK, mode_i_fracture_energy=0.1, mode_ii_fracture_energy=1.0)
+SOFT_AND_CRUSHING = replace(SOFT, compressive_strength=3e5, compressive_fracture_energy=50.0)
 DRY = Joint(tensile_strength=0.0, cohesion=0.0)
+STIFFER = {"normal_stiffness": 15e11, "friction_angle": 0.7}
 STRETCHES = 10
 """Parts of a run, at whose ends walls are compared."""
 LAST = 1, 1, 1, 1, 2, 1
@@ -47,14 +49,15 @@ DOOR = (Opening(0.4, 0.6, 0.6),)
 
 @dataclass(frozen=True)
 class Case:
-    """wall: fields of a Wall of 1.6 x 1.0 m; options: of ModelOptions; beta_s: damping by stiffness
-    [s]; peak, pulse_s: of the pulse [m/s2, s]; thrown: speed of the highest bodies at the start
-    [m/s]; happens: bit of the state that contact points reach; afterwards: largest difference from
-    the mirror image once some have failed [-]; energy: largest imbalance, over the kinetic energy
-    and what came in [-]."""
+    """wall: fields of a Wall of 1.6 x 1.0 m; options: of ModelOptions; beside: fields of the Joint
+    of the wall beside it in a batch; beta_s: damping by stiffness [s]; peak, pulse_s: of the pulse
+    [m/s2, s]; thrown: speed of the highest bodies at the start [m/s]; happens: bit of the state
+    that contact points reach; afterwards: largest difference from the mirror image once some have
+    failed [-]; energy: largest imbalance, over the kinetic energy and what came in [-]."""
 
     wall: dict = field(default_factory=dict)
     options: dict = field(default_factory=dict)
+    beside: dict = field(default_factory=dict)
     beta_s: float = 0.0
     new_contacts: bool = False
     peak: float = 20.0
@@ -102,7 +105,7 @@ def mirrored(wall):
 GABLE = {"outline": ((0.0, 0.5), (0.6, 1.0), (1.6, 0.6)), "openings": (), "precompression": 0.0}
 GRID = {
     "bricks, interior points": Case(),
-    "corner points": Case(options={"contacts": "corners"}),
+    "corner points": Case(options={"contacts": "corners"}, beside=STIFFER),
     "Gauss points": Case(options={"contacts": "gauss"}),
     "bricks below a gable": Case(GABLE),
     "cap of the whole top": Case(options={"top": "beam"}),
@@ -115,17 +118,30 @@ GRID = {
     "one support a brick": Case(options={"supports": "bricks"}),
     "soil": Case(options={"soil": 1e8}),
     "soil that radiates": Case(options={"soil": 1e8, "soil_velocity": 100.0}),
-    "damping by stiffness": Case(beta_s=1e-6),
-    "softening joints": Case({"joint": SOFT}, peak=40.0),
+    "damping by stiffness": Case(beside=STIFFER, beta_s=1e-6),
+    "softening joints": Case({"joint": SOFT}, beside=STIFFER, peak=40.0),
     "parallel elements": Case({"joint": SOFT}, {"fibres": 4}, peak=40.0),
     "crushing joints": Case({"joint": replace(WEAK, compressive_strength=3e5)}, happens=CRUSHED),
-    "crushing that softens": Case(
-        {"joint": replace(SOFT, compressive_strength=3e5, compressive_fracture_energy=50.0)},
+    "crushing that softens": Case({"joint": SOFT_AND_CRUSHING}, beside=STIFFER, happens=CRUSHED),
+    "bricks that split": Case({"brick": replace(BRICK, tensile_strength=2e4)}),
+    "softening, crushing and splitting at corner points": Case(
+        {
+            "joint": SOFT_AND_CRUSHING,
+            "brick": replace(BRICK, tensile_strength=2e4, fracture_energy=0.5),
+        },
+        {"contacts": "corners"},
+        beside=STIFFER,
+        peak=40.0,
         happens=CRUSHED,
     ),
-    "bricks that split": Case({"brick": replace(BRICK, tensile_strength=2e4)}),
     "strain modes": Case(options={"bricks": "deformable", "contacts": "gauss"}),
-    "strain modes, softening": Case({"joint": SOFT}, {"bricks": "deformable"}, peak=40.0),
+    "strain modes, softening and crushing": Case(
+        {"joint": SOFT_AND_CRUSHING},
+        {"bricks": "deformable"},
+        beside=STIFFER,
+        peak=40.0,
+        happens=CRUSHED,
+    ),
     "new contacts": Case(
         {"length": 0.2, "height": 0.3, "openings": (), "precompression": 0.0, "joint": DRY},
         new_contacts=True,
@@ -262,7 +278,8 @@ def test_mirror_momentum_energy_and_width(name):
     case, reached = GRID[name], 0
     wall, mirror = case.walls()
     runs = [Run(case, wall), Run(case, mirror, -1)]
-    batch = [Run(case, wall).solver, Run(case, wall, level=0.5).solver]
+    other = replace(wall, joint=replace(wall.joint, **case.beside))
+    batch = [Run(case, other, level=0.5).solver, Run(case, wall).solver]
     solver = runs[0].solver
     began, largest = total_energy(solver), 0.0
     for _ in range(STRETCHES):
@@ -278,7 +295,7 @@ def test_mirror_momentum_energy_and_width(name):
             <= (case.afterwards if failed else 1e-10) * np.abs(here).max()
         )
         assert np.array_equal(state, image)
-        assert everything(solver) == everything(batch[0])
+        assert everything(solver) == everything(batch[1])
         largest = max(largest, solver.kinetic_energy() + abs(solver.energy[INPUT]))
         reached |= np.bitwise_or.reduce(state)
     assert reached & case.happens
