@@ -16,6 +16,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 
 from damage.checks import check_file
 from damage.motion.record import Record
+from damage.retired import retired
 from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
 from damage.wall.coarser import in_units
@@ -89,8 +90,9 @@ def differences(note, inputs):
     """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty
     where they agree.
 
-    note: of `as_json`.  A field that the note lacks came with a later version and agrees at its
-    default; one that is no input any more does not count.
+    note: of `as_json`.  A field that the note lacks came with a later version, and one that went
+    (`damage.retired`) was of an older one: both agree at their defaults.  A field that is no input
+    any more does not count.
     """
     return list(_differing(note, inputs, ""))
 
@@ -117,13 +119,25 @@ def _differing(then, now, name):
                 yield from _differing(then[one.name], value, place)
             elif value != _default(one):
                 yield f"{place} {_word(value)}, which was not there"
-        for other in sorted(then.keys() - {"kind", *(one.name for one in fields(now))}):
-            yield f"{name}.{other} of a later version".lstrip(".")
+        others = then.keys() - {"kind", *(one.name for one in fields(now))}
+        yield from _of_other_versions({other: then[other] for other in sorted(others)}, name)
     elif isinstance(now, (list, tuple)) and isinstance(then, list) and len(then) == len(now):
         for number, pair in enumerate(zip(then, now)):
             yield from _differing(*pair, f"{name}[{number}]")
     elif then != _plain(now):
         yield f"{name} {_word(then)} -> {_word(_plain(now))}"
+
+
+def _of_other_versions(values, name):
+    """Yield what is to be said of fields {name: value} of a note that this version does not
+    have."""
+    for other, value in values.items():
+        place = f"{name}.{other}".lstrip(".")
+        gone = retired(other)
+        if gone is None:
+            yield f"{place} of a later version"
+        elif value != gone.default:
+            yield f"{place} {_word(value)}, which went"
 
 
 def _default(one):

@@ -12,7 +12,7 @@ from small_history import make_history
 from damage.applications.groningen import options
 from damage.applications.groningen.exposure import lives
 from damage.applications.studies.definition import load_study
-from damage.applications.studies.inputs import as_json, inputs_of
+from damage.applications.studies.inputs import as_json, differences, inputs_of
 from damage.applications.studies.outdated import CODE, Results
 from damage.applications.studies.records import NAME, line_of, read_records, record_of
 from damage.applications.studies.tables import summary_of
@@ -147,6 +147,19 @@ ALTERED = {
 
 
 class TestInputs:
+    def test_an_option_that_went_counts_where_it_was_not_at_its_default(self, tmp_path):
+        there = Folder(tmp_path)
+        (run,) = there.load().runs
+        inputs = inputs_of(run, REPOSITORY)
+        note = as_json(inputs)
+        model = note["settings"]["model"]
+        model["brick_cells"] = 0
+        assert differences(note, inputs) == []
+        model["brick_cells"] = 4
+        assert differences(note, inputs) == ["settings.model.brick_cells 4, which went"]
+        model["other"] = 1
+        assert "settings.model.other of a later version" in differences(note, inputs)
+
     @pytest.mark.parametrize("name", ALTERED)
     def test_an_altered_input_makes_a_point_again_and_is_named(self, name, tmp_path):
         first, then, said = ALTERED[name]
