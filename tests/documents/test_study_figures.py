@@ -1,7 +1,4 @@
-"""Figures of studies: each is drawn, from the tables that ship or from a small study with
-histories."""
-
-import shutil
+"""Figures of studies, from the tables that ship and from two points with histories."""
 
 import numpy as np
 import pandas as pd
@@ -18,20 +15,12 @@ from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import response_spectrum
 from damage.motion.loading import Recorded
 from paper import figures as study_figures
-from paper.__main__ import main
 from paper.harmonic_figures import against_amplitude
-from paper.ida_figures import nonnegative_parabola, residual_against_pga
-from paper.results import Missing, Results, load_results, variants
+from paper.ida_figures import nonnegative_parabola, records, residual_against_pga
+from paper.results import Missing, load_results, variants
 
 TABLES = REPOSITORY / "docs" / "tables"
 NEED_HISTORIES = {"fig07", "fig09", "fig10", "cracks", "sequences"}
-RECORD = "BGAR_HGE"
-STUDIES = {
-    "harmonic": "wall == 'symmetric' and motion_period_s == 0.2 and amplitude_g >= 0.075",
-    "ida": "wall == 'symmetric' and record.str.startswith('BGAR') and scale >= 1.8",
-    "sequence": "wall == 'symmetric'",
-}
-"""{study: rows of its table that the small study has}"""
 
 
 def drawn(results):
@@ -52,34 +41,6 @@ def shipped():
     return load_results(TABLES)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A few points of each study, whose runs all have one history, but for its motion."""
-    folder = tmp_path_factory.mktemp("results")
-    motion = Recorded(read_record(shipped_record_path(RECORD)), window_s=(17.0, 25.0))
-    for study, chosen in STUDIES.items():
-        (folder / study / "runs").mkdir(parents=True)
-        (folder / study / "tables").mkdir()
-        points = pd.read_csv(TABLES / f"{study}_points.csv").query("solver == 'reference'")
-        points = points.query(chosen)
-        points.to_csv(folder / study / "tables" / "points.csv", index=False)
-        points.assign(run=points["point"]).to_csv(
-            folder / study / "tables" / "summary.csv", index=False
-        )
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setitem(small_history.LOADINGS, "ida", motion.as_dict())
-            made = make_history(
-                folder / "made.h5",
-                loading="ida" if study == "ida" else "harmonic",
-                drift=1e-3 * np.sin(2 * np.pi * np.arange(21) / 6 - 0.2),  # a cycle of 60 ms
-                opening={0: 2e-4 * (np.arange(21) > 8)},
-                overwrite=True,
-            )
-        for point in points["point"]:
-            shutil.copy(made.path, folder / study / "runs" / f"{point}.h5")
-    return folder
-
-
 def test_tables_that_ship_are_drawn_and_what_needs_histories_is_named(shipped):
     figures = drawn(shipped)
     missing = {kind for kind, figure in figures.items() if isinstance(figure, str)}
@@ -88,15 +49,24 @@ def test_tables_that_ship_are_drawn_and_what_needs_histories_is_named(shipped):
     assert all(ax.has_data() for kind in figures.keys() - missing for ax in figures[kind].axes)
 
 
-def test_histories_of_a_study_are_drawn(folder):
-    figures = drawn(load_results(folder))
-    for kind in NEED_HISTORIES:
-        assert any(ax.has_data() for ax in figures[kind].axes), kind
-    titles = [ax.get_title(loc="right") for ax in figures["fig09"].axes]
-    assert all("T = 0.06 s" in title for title in titles)
-    motion = Recorded(read_record(shipped_record_path(RECORD)), window_s=(17.0, 25.0)).motion[0]
-    for line, scale in zip(figures["fig10"].axes[1].lines, (1.8, 2.0)):
-        assert_allclose(line.get_ydata(), scale * response_spectrum(motion, line.get_xdata()))
+def test_spectra_are_those_of_the_record_at_each_scale(tmp_path, monkeypatch):
+    """Of two points of the study of records, whose runs have one history."""
+    motion = Recorded(read_record(shipped_record_path("BGAR_HGE")), window_s=(17.0, 25.0))
+    monkeypatch.setitem(small_history.LOADINGS, "ida", motion.as_dict())
+    chosen = "wall == 'symmetric' and record.str.startswith('BGAR') and scale >= 1.8"
+    points = pd.read_csv(TABLES / "ida_points.csv").query(f"solver == 'reference' and {chosen}")
+    for name in ("runs", "tables"):
+        (tmp_path / "ida" / name).mkdir(parents=True)
+    points.to_csv(tmp_path / "ida/tables/points.csv", index=False)
+    runs = points.assign(run=points["point"])
+    runs.to_csv(tmp_path / "ida/tables/summary.csv", index=False)
+    for run in runs["run"]:
+        make_history(tmp_path / f"ida/runs/{run}.h5", loading="ida", drift=1e-3)
+    results = load_results(tmp_path)
+    figure = records(results, results.points)
+    for line, scale in zip(figure.axes[1].lines, (1.8, 2.0)):
+        spectrum = response_spectrum(motion.motion[0], line.get_xdata())
+        assert_allclose(line.get_ydata(), scale * spectrum)
 
 
 def test_medians_ranges_and_printed_values_are_those_of_the_tables(shipped):
@@ -130,22 +100,9 @@ def printed(figure):
     ]
 
 
-def test_the_command_saves_figures_and_names_runs_without_an_end(
-    folder, shipped, tmp_path, monkeypatch, output_of
-):
-    first = next(study_figures._figures(shipped))
-    monkeypatch.setattr(study_figures, "_figures", lambda results: [first])
-    output_of("figures", folder, "--out", tmp_path, of=main)
-    assert {path.name for path in tmp_path.iterdir()} == {"fig06_motions.png", "fig06_motions.pdf"}
-    failed = shipped.points.head(1).assign(status="failed")
-    made = dict(study_figures.make_figures(Results(failed, shipped.runs), tmp_path))
-    assert "is failed" in made[f"point {failed['point'].iloc[0]}"]
-
-
 @pytest.mark.parametrize(
     "y",
     [
-        np.clip(np.linspace(-1, 1, 12), 0, None),
         np.linspace(-1, 1, 12) ** 4,
         np.linspace(1, -1, 12) ** 3 * 1e-3,
         np.array([1, 0.2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3]),
