@@ -3,16 +3,14 @@ notebook."""
 
 import io
 import json
-import os
 import sys
 import tomllib
 from contextlib import redirect_stdout
-from shutil import copytree, ignore_patterns
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, run_command, script_file
-from test_guides import GUIDES, blocks
+from conftest import REPOSITORY, one_line_error, script_file
+from test_guides import GUIDES, clone, follow  # noqa: F401
 
 import damage
 from damage.__main__ import main
@@ -52,47 +50,11 @@ def test_every_package_is_installed_and_what_lies_beside_it():
         assert not left, f"{folder} has files that are not installed: {left}"
 
 
-@pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """A folder like site-packages, by pyproject.toml, and one with the commands; compiled code as
-    it is here."""
-    base = tmp_path_factory.mktemp("pip")
-    copytree(REPOSITORY / "damage", base / "site" / "damage")
-    for package, folder in SETUP["package-dir"].items():
-        copytree(
-            REPOSITORY / folder,
-            base.joinpath("site", *package.split(".")),
-            ignore=ignore_patterns("__pycache__"),
-        )
-    (base / "bin").mkdir()
-    for name, words in (("python3", ""), ("damage", " -m damage")):
-        script_file(base / "bin" / name, f'exec "{sys.executable}"{words} "$@"')
-    return base
-
-
 @pytest.mark.long
-def test_the_guide_is_true_in_an_empty_folder(installed, tmp_path):
-    environment = {
-        **os.environ,
-        "PATH": f"{installed / 'bin'}:{os.environ['PATH']}",
-        "PYTHONPATH": str(installed / "site"),
-    }
-    printed = ""
-    for language, text in blocks("from-pip"):
-        if language == "sh":
-            done = run_command(
-                "bash", "-euc", text, cwd=tmp_path, timeout=300, env=environment, status=0
-            )
-            printed += done.stdout
-        else:
-            (tmp_path / text.split("\n")[0].removeprefix("# ")).write_text(text, encoding="utf-8")
-    assert "study my-study: 2 of 2 runs done" in printed and "<History my_wall, " in printed
-    for name in (
-        "demo/symmetric.h5",
-        "demo/symmetric.html",
-        "mine.html",
-        "results/my-study/tables/points.csv",
-    ):
+def test_the_guide_is_true_in_an_empty_folder(clone, tmp_path):  # noqa: F811
+    script_file(clone.parent / "bin" / "damage", f'exec "{sys.executable}" -m damage "$@"')
+    assert "study my-study: 2 of 2 runs done" in follow("from-pip", clone, tmp_path)
+    for name in ("demo/symmetric.html", "mine.html", "results/my-study/tables/points.csv"):
         assert (tmp_path / name).is_file(), name
 
 
@@ -127,56 +89,21 @@ class TestNames:
     def test_a_new_wall_replaces_nothing(self, tmp_path):
         path = new_wall(tmp_path / "mine.py")
         assert "mine.py exists" in one_line_error(new_wall, path)
-        assert one_line_error(new_wall, tmp_path / "b.py", "sold").endswith("did you mean solid?")
-        assert "expected a name that ends in .toml or .py" in one_line_error(
-            new_wall, tmp_path / "b.txt"
-        )
-        assert "expected a name that ends in .toml;" in one_line_error(
-            new_wall, tmp_path / "b.py", "terrace_end"
-        )
 
 
 class TestRun:
-    def test_the_public_names_are_listed(self):
-        assert {"run", "History", "Wall", "read_history", "load_wall", "read_record"} <= set(
-            dir(damage)
-        )
-        assert all(getattr(damage, name) is not None for name in dir(damage))
-        assert "harmonic" in damage.run.__doc__ and "InputError" in damage.run.__doc__
-
     def test_in_memory_in_a_file_and_by_the_command_are_equal(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         new_wall("w.py", "solid")
         in_memory, in_file = damage.run("w.py", **SHORT), damage.run("w.py", **SHORT, out="a.h5")
-        assert (
-            main(
-                [
-                    "reference",
-                    "w.py",
-                    "--harmonic",
-                    "0.05",
-                    "0.1",
-                    "--cycles",
-                    "1",
-                    "--rest",
-                    "0",
-                    "--no-pictures",
-                    "--quiet",
-                    "--out",
-                    "b.h5",
-                ]
-            )
-            == 0
-        )
+        words = "w.py --harmonic 0.05 0.1 --cycles 1 --rest 0 --no-pictures --quiet --out b.h5"
+        assert main(["reference", *words.split()]) == 0
         for other in (in_file, damage.read_history("b.h5")):
             assert in_memory.series.equals(other.series) and np.array_equal(
                 in_memory.opening_m, other.opening_m
             )
         assert sorted(path.name for path in tmp_path.iterdir()) == ["a.h5", "b.h5", "w.py"]
-        assert (
-            in_file.command.startswith("python3 -m damage reference w.py ")
-            and "--rest 0" in in_file.command
-        )
+        assert in_file.command.startswith("python3 -m damage reference w.py ")
 
     def test_a_motion_is_a_record_a_loading_or_options(self, capfd):
         by_options = damage.run(PIER, **SHORT)
@@ -193,15 +120,9 @@ class TestRun:
         "arguments, says",
         [
             ({"harmonc": 1}, "did you mean harmonic?"),
-            ({"rest": -1}, "--rest"),
             ({"motion": 3}, "motion = 3"),
-            ({"members": 3}, "expected 1"),
             ({"pictures": True}, "pictures=True"),
-            ({"quiet": 3}, "quiet = 3"),
-            ({"wall": "symetric"}, "did you mean symmetric?"),
-            ({"motion": "BGRA_HGE"}, "did you mean BGAR_HGE?"),
             ({"motion": Harmonic(0.2, 0.1), "cycles": 2}, "leave one out"),
-            ({"out": "a.txt/b.h5\n"}, "control"),
             ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out"),
         ],
     )
