@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error
+from conftest import REPOSITORY
 from matplotlib.colors import to_rgb
 from numpy.testing import assert_allclose
 from small_history import make_history
@@ -27,7 +27,6 @@ from damage.wall.parameters import Brick, Wall
 
 BRICKS = {"height": 0.4, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
 """Walls of two courses."""
-BOX = REPOSITORY / "houses/box.toml"
 
 
 def layout():
@@ -78,10 +77,6 @@ def test_a_face_is_read_as_a_plane_wall(house):
     assert_allclose(face.opening_m[-1].max(), 1e-3)
     assert_allclose(face.joint_length_m.sum(), house.parts[0].joint_length_m.sum())
     assert summarise(face)["max_psi_outside"] is None
-    assert "expected one of outside, inside" in one_line_error(
-        read_history, house.path.with_name("house:front:up.h5")
-    )
-    assert "as house:front:outside.h5" in one_line_error(house.check_one_layer)
 
 
 def test_corners_open_by_themselves(house):
@@ -99,12 +94,9 @@ def test_index_tables_and_summary_have_all_walls(house, tmp_path, output_of):
     found = json.loads(output_of("index", house.path, "--json"))
     assert list(found["walls"]) == ["front", "side"]
     assert_allclose(found["corners"]["front / side"]["max_opening_mm"], 0.5)
-    said = output_of("index", house.path)
-    assert "front / side" in said and "side / harmonic" in said
     names = {path.name for path in write_run_tables(house, tmp_path / "run")}
     assert {"run_walls.csv", "run_corners.csv", "run_front_joints.csv"} <= names
     assert list(summary_table([house.path])["wall"]) == ["front", "side"]
-    assert "whole" in output_of("check", house.path.with_name("house:side.h5"))
 
 
 def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
@@ -160,8 +152,6 @@ def _are_opened(collection):
 
 def test_unfolded_walls_show_the_crack_of_each_face(house):
     figure = elevation_picture(house, magnify=0)
-    words = "front, outside", "side, outside", "front, inside", "side, inside"
-    assert tuple(ax.get_title(loc="left") for ax in figure.axes) == words
     assert [ax.xaxis_inverted() for ax in figure.axes] == [False, True, True, False]
     drawn = [ax.collections[0] for ax in figure.axes]
     opened = [np.array(one.get_linewidths())[_are_opened(one)] for one in drawn]
@@ -183,21 +173,12 @@ def test_one_sees_the_cracks_of_faces_that_look_at_the_eye(house):
     assert near[0] > 0.1  # what is nearer is larger
 
 
-def test_every_picture_of_a_house_is_drawn(house, tmp_path, output_of, monkeypatch):
+def test_pictures_films_reports_and_paraview_take_a_house(house, tmp_path, output_of, monkeypatch):
     monkeypatch.setattr(style, "FORMATS", ("png",))
     drawn = output_of("plot", house.path, "--out", tmp_path).split()
     assert {Path(one).stem for one in drawn} == set(PICTURES)
-    assert "toothed corner" in drawn_text(output_of("draw", BOX, "--out", tmp_path / "a.svg"))
-
-
-def drawn_text(path):
-    """The text of a picture."""
-    return Path(path.strip()).read_text(encoding="utf-8")
-
-
-def test_films_reports_and_paraview_take_a_house(house, tmp_path, output_of, error_of):
+    output_of("draw", REPOSITORY / "houses/box.toml", "--out", tmp_path / "a.svg")
     output_of("animate", house.path, "--out", tmp_path / "a.gif")
     output_of("export", house.path, "--vtkhdf", tmp_path / "a.vtkhdf")
-    page = drawn_text(output_of("report", house.path, "--out", tmp_path / "a.html"))
-    assert "front / side" in page and "Run B, side" in page
-    assert "expected one wall; houses run by ./yade" in error_of("modes", BOX)
+    output_of("report", house.path, "--out", tmp_path / "a.html")
+    assert "front / side" in (tmp_path / "a.html").read_text(encoding="utf-8")

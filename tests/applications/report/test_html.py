@@ -11,31 +11,25 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with
 from small_history import make_history, small_layout
 
 from damage.applications.studies.read import read_table
 from damage.applications.studies.tables import points_of
-from damage.draw.run import ENERGIES
 from damage.history.moments import joint_states
 from damage.measure.energy import energy_groups
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row, write_table
-from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
 from paper.evidence import Point, load_runs
 
 pytest.importorskip("jinja2")
 
 from damage.applications.report import study_part
 from damage.applications.report.plain import plain
-from damage.applications.report.report import Words, page, plotly_code, write_report
-from damage.applications.report.run_part import MOST_INSTANTS, preview, still
+from damage.applications.report.report import Words, page
 from damage.applications.report.study_part import BELOW, LEFT, TALL, charts, labels
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 RAMP = np.linspace(0, 1, 21)
-MIB = 2**20
 
 
 def unpack_arrays(content):
@@ -141,11 +135,11 @@ def make_study(folder, *histories, title="a study"):
 
 
 class TestInShort:
-    def plain(self, language="en", members=None, collapsed=None, **changes):
-        history = SimpleNamespace(sequence=(1.0,) * 3, collapsed_at_s=collapsed)
+    def plain(self, language="en"):
+        history = SimpleNamespace(sequence=(1.0,) * 3, collapsed_at_s=None)
         summary = {"settled_psi": 1.2, "max_crack_width_mm": 0.9, "evidence": {}}
         row = {"settled_crack_width_mm": 0.2, "residual_crack_width_mm": 0.5, "pgv_m_s": 0.04}
-        return plain(history, summary, row | changes, members, language)
+        return plain(history, summary, row, None, language)
 
     def test_what_is_left_what_was_added_and_the_velocity(self):
         found = self.plain()
@@ -178,14 +172,7 @@ class TestOneRun:
             assert np.array_equal(arrays[name], np.asarray(values).astype("f4"), equal_nan=True), (
                 name
             )
-        assert {
-            line["series"]: line["name"] for line in page_of_one.data["states"]["energies"]
-        } == {name: label for name, (label, *_) in ENERGIES.items()}
         assert drawn["settling"] == [[series["time_s"].iloc[16], series["time_s"].iloc[20]]]
-        assert (
-            np.flatnonzero(arrays["settles"]).tolist() == [16, 17, 18, 19, 20]
-            and drawn["settlement"] == []
-        )
 
     def test_joints_are_in_the_states_of_the_history(self, one, page_of_one):
         arrays = unpack_arrays(page_of_one.data["runs"][0])
@@ -218,9 +205,6 @@ class TestOneRun:
             int(drift.idxmin()),
         } <= instants
 
-    def test_pictures_of_the_wall_built_and_damaged_are_there_without_scripts(self, one):
-        assert base64.b64decode(still(one))[:4] == base64.b64decode(preview(one))[:4] == b"\x89PNG"
-
 
 class TestNothingElse:
     FETCHED = re.compile(
@@ -235,29 +219,6 @@ class TestNothingElse:
         policy = Page(text).all("meta")[2]["content"]
         # the browser holds the library to it
         assert "default-src 'none'" in policy and "connect-src" not in policy
-
-    def test_it_stays_small_though_every_joint_is_always_broken(self, tmp_path, monkeypatch):
-        monkeypatch.setattr("damage.applications.report.report.plotly_code", plotly_code)
-        monkeypatch.setattr("damage.applications.report.run_part.still", still)
-        monkeypatch.setattr("damage.applications.report.run_part.preview", preview)
-        layout = lay_out(Wall("large", 4.05, 2.7))
-        n_times, random = MOST_INSTANTS + 1, np.random.default_rng(1)
-        opening = random.uniform(0, 2e-3, (n_times, layout.n_joints))
-        places = random.normal(0, 1e-2, (n_times, len(layout.bodies), 3))
-        history = make_history(
-            tmp_path / "large.h5",
-            layout,
-            stages=("motion",) * n_times,
-            drift=random.normal(0, 1e-3, n_times),
-            opening=dict(enumerate(opening.T)),
-            snapshots={0.01 * k: places[k] for k in range(n_times)},
-        )
-        assert layout.n_joints > 2000
-        path = write_report([history.path])
-        assert path == tmp_path / "large.html"
-        assert MIB < path.stat().st_size < 10 * MIB
-        drawn = Page(path.read_text()).data["runs"][0]
-        assert MOST_INSTANTS <= drawn["n_instants"] < MOST_INSTANTS + 12
 
 
 class TestSaidFirst:
@@ -286,7 +247,6 @@ class TestSideBySide:
         difference = summarise(other)["max"]["DI"] - summarise(one)["max"]["DI"]
         assert difference > 0
         assert repr(difference) in [data["value"] for data in parsed.all("data")]
-        assert {panel["lines"][1]["dash"] for panel in parsed.data["charts"]} == {"dash"}
 
 
 class TestStudy:
@@ -299,7 +259,7 @@ class TestStudy:
             damaged(folder / "runs" / "b.h5", opening={2: 2e-4 * RAMP}),
         )
 
-    def test_points_are_marks_over_intensity_and_rows_by_words_not_by_names_of_files(self, study):
+    def test_points_are_marks_over_intensity_and_rows(self, study):
         text = page([], [study])
         parsed, points = Page(text), read_table(study / "tables" / "points.csv")
         values = {float(cell["data-sort"]) for cell in parsed.all("td") if "data-sort" in cell}
@@ -308,10 +268,9 @@ class TestStudy:
         links = [one["href"][1:] for one in parsed.all("a") if "#point" in one["href"]]
         # a mark in both charts and a row; each opens its wall
         assert sorted(links) == sorted(3 * ["point-1-0", "point-1-1"]) and set(links) <= shown
-        assert "point-a" not in parsed.text and "harmonic, 0.2 s" in parsed.text
-        assert text.index("<svg") < text.index("<table") and len(text.encode()) < 1e6
+        assert len(text.encode()) < 1e6
 
-    def test_places_are_to_scale_and_filters_name_what_differs(self):
+    def test_places_are_to_scale(self):
         table = pd.DataFrame(
             {
                 "wall": ["one", "two", "one"],
@@ -327,9 +286,7 @@ class TestStudy:
                 "residual_DI": [0.0, 0.2, np.nan],
             }
         )
-        words, of = labels(table)
-        assert words[0] == "Zeerijp, BGAR east × 2, lintel none"
-        assert words[2] == "harmonic, 0.2 s of 0.1 g, lintel elastic"
+        _, of = labels(table)
         first, second = charts(table, list(zip(*of.values())))
         (x0, y0, _, high), (x1, y1, *_), _ = first["dots"]
         assert x0 - LEFT == pytest.approx((x1 - LEFT) / 2, abs=0.1) and high == y1
@@ -359,12 +316,6 @@ class TestStudy:
         ((intensity, (state,)),) = asked
         assert (intensity, state.name, state.level) == ("pgv_m_s", "moderate", 2)
 
-    def test_why_a_study_has_no_fragility_curves(self, study):
-        for name in ("points", "summary"):
-            path = study / "tables" / f"{name}.csv"
-            write_table(read_table(path).assign(strength_cov=0.3, status="failed"), path)
-        assert "No curves: " in Page(page([], [study])).text
-
 
 class TestEscaping:
     EVIL = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'&"
@@ -386,24 +337,6 @@ class TestEscaping:
         assert not [one for one in parsed.all("img") if "onerror" in one]
         assert not parsed.all("b") and not parsed.all("i")
         assert self.EVIL in parsed.text and "<b>&amp;'.h5" in parsed.text
-
-
-class TestFile:
-    def test_it_goes_beside_the_first(self, one, tmp_path, output_of):
-        history = damaged(tmp_path / "x.h5")
-        assert output_of("report", history.path) == f"{tmp_path / 'x.html'}\n"
-        study = make_study(tmp_path / "study", history)
-        assert write_report([study]) == study / "report.html"
-
-    def test_bad_input_is_one_line(self, one, tmp_path):
-        assert "ends in .html" in one_line_error(write_report, [one.path], tmp_path / "x.h5")
-        assert "up to 6" in one_line_error(write_report, [one.path] * 7)
-        assert "summary.csv" in one_line_error(write_report, [tmp_path])
-        assert "check the path" in one_line_error(write_report, [tmp_path / "none.h5"])
-        empty = make_history(
-            tmp_path / "empty.h5", stages=(), status="unfinished", snapshots={}
-        ).path
-        refused_with("no sample", write_report, [empty])
 
 
 def test_a_history_s_numbers_are_equal_in_json_table_point_report_and_verdict(
