@@ -40,7 +40,6 @@ def test_virtual_tests_give_their_inputs_back(tmp_path, output_of):
         ("friction", np.tan(joint.friction_angle), 0.01),
     ):
         assert found[name]["value"] == approx(expected, rel=rel), name
-        assert f"{name} = {found[name]['value']:.4g} " in said
     assert found["shear_stiffness"]["specimens"] == found["cohesion"]["specimens"] == 3
     assert "EN 1052-3 asks for 3 under each of 3" in found["notes"][0]
     # what is printed is a wall file's

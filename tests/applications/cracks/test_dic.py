@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from conftest import refused_with, run_here, wall_file, written
 
-from damage.__main__ import main
-from damage.applications.cracks.crack_file import read_cracks
 from damage.applications.cracks.crack_mapping import describe_level, map_cracks
 from damage.applications.cracks.dic import (
     Field,
@@ -86,17 +84,20 @@ def test_a_rigid_motion_is_found_exactly(turn):
     assert found == pytest.approx(turn, rel=1e-10) and mean == pytest.approx([0.2, -0.1])
 
 
-@pytest.mark.parametrize("upwards", [True, False])
-def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
-    """The upper half moves 0.5 mm up, or along: the bed joint below it opens or slips over its
-    whole length."""
+def half_moved(tmp_path, noise=NOISE, upwards=True):
+    """A wall whose upper half has moved 0.5 mm up, or along: its Layout and a Field."""
     wall = wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32))
     layout = lay_out(load_wall(wall))
     motion = np.zeros((len(layout.bodies), 3))
     motion[layout.bodies.z > 0.225, int(upwards)] = 0.5e-3
-    (measured,) = fields = measure(
-        [sampled_field(layout, motion, noise=NOISE, drift_ratio=0.0)], layout
-    )
+    return layout, sampled_field(layout, motion, noise=noise, drift_ratio=0.0)
+
+
+@pytest.mark.parametrize("upwards", [True, False])
+def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
+    """The bed joint below the upper half opens or slips over its whole length."""
+    layout, field = half_moved(tmp_path, upwards=upwards)
+    (measured,) = fields = measure([field], layout)
     part = measured.opening if upwards else measured.slip
     joints = np.isclose(layout.contacts.z[: layout.n_joints], 0.225) & (
         layout.contacts.kind[: layout.n_joints] != HEAD
@@ -113,29 +114,16 @@ def test_half_a_wall_that_moves_opens_or_slips_one_joint(tmp_path, upwards):
     assert set(pattern.stretches["mode"]) == {"tension" if upwards else "shear"}
 
 
-def half_moved(tmp_path, noise=NOISE):
-    """A wall whose upper half has moved 0.5 mm up: its Layout and a Field."""
-    layout = lay_out(
-        load_wall(wall_file(tmp_path / "panel.py", WALL.format(height=0.45, friction=32)))
-    )
-    motion = np.zeros((len(layout.bodies), 3))
-    motion[layout.bodies.z > 0.225, 1] = 0.5e-3
-    return layout, sampled_field(layout, motion, noise=noise, drift_ratio=0.0)
-
-
 def test_a_field_whose_z_points_down_is_named(tmp_path):
     layout, field = half_moved(tmp_path)
     assert field_warnings([field], measure([field], layout), layout) == []
     down = Field(1, 0.0, field.points * (1, -1) + (0, 0.45), field.displacement * (1, -1))
     (said,) = field_warnings([down], measure([down], layout), layout)
-    assert (
-        "the lowest course moves by 0.5 mm, the top one by 0" in said
-        and "z up from a base at rest" in said
-    )
+    assert "z up from a base at rest" in said
 
 
 @pytest.mark.parametrize("noise", [NOISE, 0.0])
-def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsys):
+def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise):
     """Not those of the half at rest, and not a point about which a brick turns."""
     layout, field = half_moved(tmp_path, noise)
     lost = np.arange(len(field.points)) % 20 == 0
@@ -146,16 +134,8 @@ def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise, capsy
         stuck_points(stuck, layout).tolist() == np.flatnonzero(moving).tolist()
         and moving.sum() > 10
     )
-    write_field(tmp_path / "field.csv", [stuck])
-    assert (
-        main(["cracks", "--dic", str(tmp_path / "field.csv"), "--wall", str(tmp_path / "panel.py")])
-        == 0
-    )
-    said = capsys.readouterr().err
-    assert (
-        f"{moving.sum()} of {len(lost)} points, at x, z = (" in said
-        and "where the correlation failed" in said
-    )
+    (said,) = field_warnings([stuck], measure([stuck], layout), layout)
+    assert f"{moving.sum()} of {len(lost)} points" in said
     middle = field.points[inside[0]]  # of rotation
     turning = Field(1, 0.0, field.points, turned(field.points - middle, 1e-3))
     assert len(stuck_points(turning, layout)) == 0
@@ -219,14 +199,8 @@ def test_the_command_turns_a_field_into_a_crack_file(rocking, tmp_path, output_o
     assert found["levels"][1]["DI_open"][0] == pytest.approx(
         history.index()["DI_open"].iloc[samples[1]], abs=0.01
     )
-    assert found["dic"]["noise_m"] == pytest.approx(NOISE, rel=0.1)
-    assert [len(pattern.stretches) > 0 for pattern in read_cracks(tmp_path / "cracks.csv")] == [
-        False,
-        True,
-    ]
     again = json.loads(output_of("cracks", tmp_path / "cracks.csv", "--wall", wall, "--json"))
     assert again["max"]["DI"] == pytest.approx(found["max"]["DI"], abs=1e-6)
-    assert "noise of a point" in output_of(*words)
 
 
 def test_lost_points_and_unseen_bricks(rocking, tmp_path):

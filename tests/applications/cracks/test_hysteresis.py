@@ -2,7 +2,6 @@
 figures."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -27,13 +26,11 @@ from damage.applications.cracks.capacity import (
 )
 from damage.applications.cracks.loops import loops_at, read_loops
 from damage.applications.cracks.pushed import (
-    SPECIMENS,
     draws_report,
     figures,
     pushed_report,
     read_test,
 )
-from damage.history.contacts import Contacts
 
 STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
 
@@ -82,7 +79,6 @@ class TestCycles:
         )
 
     def test_shaken_walls_have_none(self, still_history, error_of):
-        refused_with("pushover", cycles_table, still_history)
         assert "pushover" in error_of("cycles", still_history.path)
 
 
@@ -109,7 +105,7 @@ class TestLoops:
         (elastic,) = read_loops(self.loops(path, 50 * self.DRIFT))
         assert_allclose([elastic["dissipated_j"], elastic["equivalent_damping"]], 0, atol=1e-9)
 
-    def test_a_test_beside_a_run(self, tmp_path, plastic, output_of, error_of):
+    def test_a_test_beside_a_run(self, tmp_path, plastic, output_of):
         path = self.loops(tmp_path / "a.csv", self.SLIDER)
         found = json.loads(output_of("cycles", plastic.path, path, "--json"))
         assert_allclose(found["tested_loops"][0]["dissipated_j"], 160)
@@ -123,9 +119,7 @@ class TestLoops:
             }
         )
         assert_allclose(loops_at(between, 0.15), [30, 0.2])
-        assert "loops of the test" in output_of("cycles", plastic.path, path)
         assert "dissipated_j" in output_of("cycles", path)
-        assert "one history" in error_of("cycles", plastic.path, plastic.path, path)
 
     @pytest.mark.parametrize(
         "words, force, drift, extra",
@@ -149,14 +143,6 @@ class TestEnvelope:
                 curve.drift_ratio.iloc[-1], plastic.series.drift_ratio.abs().max(), rtol=5e-4
             )
             assert_allclose(curve.force_n.iloc[-1], YIELD)
-
-    def test_the_bilinear_line_of_a_bilinear_envelope_is_itself(self, plastic):
-        line = bilinear(envelope(plastic), small_layout().drift_height)
-        assert_allclose(line["stiffness_n_per_m"], STIFFNESS, rtol=1e-6)
-        assert_allclose(line["force_n"], YIELD, rtol=2e-3)
-        assert_allclose(
-            line["elastic_drift"], YIELD / STIFFNESS / small_layout().drift_height, rtol=2e-3
-        )
 
     def test_of_a_triangle_by_hand(self):
         """Up to 100 kN at 0.1 %, down to 50 kN at 0.2 %, a wall 2 m high: 80 kN are left at 0.14 %,
@@ -281,15 +267,10 @@ class TestFigures:
         wide."""
         force = np.where(self.DRIFT <= 1e-3, 20e3, 10e3) * np.minimum(1.0, self.DRIFT / 1e-4)
         force[500] = 30e3
-        history = pushed_over(tmp_path / "pushed.h5", force, self.DRIFT, slip={7: 2e-4})
-        opening = history.opening_m.copy()
-        opening[1500:, 0] = 5e-3
-        state = np.zeros(opening.shape, int)
-        state[:, history.contacts.joints] = history.contacts.state
-        every = Contacts(
-            np.arange(opening.shape[1]), opening, history.slip_m, history.offset_m, state
+        opens_late = np.where(np.arange(2001) >= 1500, 5e-3, 0.0)
+        history = pushed_over(
+            tmp_path / "pushed.h5", force, self.DRIFT, slip={7: 2e-4}, opening={0: opens_late}
         )
-        history = replace(history, contacts=every)
         found = capacity(history)
         # ten samples a window, and a few of eleven
         assert_allclose(found["peak_force_n"], 21e3, rtol=0.01)
@@ -306,13 +287,11 @@ class TestFigures:
         assert_allclose(rows["mean force to 0.05 % drift"]["simulated"], 18, rtol=0.02)
         assert rows["peak force"]["measured"] is None
 
-    def test_of_several_draws_medians_and_how_many_are_needed(self, tmp_path, output_of):
+    def test_of_several_draws_medians_and_how_many_are_needed(self, tmp_path):
+        drift = self.DRIFT[::10]
         histories = [
             pushed_over(
-                tmp_path / f"{seed}.h5",
-                size * np.minimum(self.DRIFT, 1e-4) / 1e-4,
-                self.DRIFT,
-                seed=seed,
+                tmp_path / f"{seed}.h5", size * np.minimum(drift, 1e-4) / 1e-4, drift, seed=seed
             )
             for seed, size in enumerate((18e3, 20e3, 25e3), start=1)
         ]
@@ -320,18 +299,7 @@ class TestFigures:
         (peak,) = [row for row in found["figures"] if row["figure"] == "peak force"]
         assert_allclose([peak["median"], peak["quantile_05"], peak["quantile_95"]], [20, 18, 25])
         assert peak["draws_needed"] == draws_needed([18, 20, 25]) and found["not_ended"] == 3
-        assert "mean force to 0.1 % drift, kN" in output_of(
-            "cycles", *(one.path for one in histories), "--to", 0.1
-        )
         assert "same draw" in one_line_error(draws_report, [histories[0], histories[0]])
-        other = pushed_over(
-            tmp_path / "other.h5",
-            1e7 * self.DRIFT,
-            self.DRIFT,
-            seed=9,
-            layout=small_layout(precompression=1e5),
-        )
-        assert "another wall, push or model" in one_line_error(draws_report, [histories[0], other])
 
 
 class TestMeasured:
@@ -340,10 +308,6 @@ class TestMeasured:
         assert_allclose(np.array(test.stiffness_n_per_m) / 1e6, [131, 163], atol=0.5)
         assert_allclose(np.array(test.peak_force_n) / 1e3, [76.7, 77.96])
         assert test.mode == "shear" and read_test("COMP2_1").mode == "flexure"
-
-    def test_every_modelled_specimen_is_in_the_table(self):
-        assert all(read_test(specimen).height > 1 for specimen in SPECIMENS.values())
-        refused_with("COMP1_3", read_test, "COMP9")
 
 
 class TestLaboratoryWalls:
