@@ -9,11 +9,8 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, splu
 
-from damage.law.blocks import factorised
 from damage.law.modes import (
-    contact_normals,
     first_mode,
-    joint_stiffness,
     mass_vector,
     natural_modes,
     static_displacement,
@@ -25,7 +22,6 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Opening, Wall
 from damage.wall.restraints import Restraint
-from verification.limit_analysis import kinematic_matrix
 
 PERIODS_S = {"solid": 0.0637, "symmetric": 0.2003, "asymmetric": 0.1745}
 """First periods, which both solvers vibrate with (README.md); the paper's are 0.06 and about 0.2
@@ -40,38 +36,6 @@ def test_first_period_is_the_one_that_the_solvers_show(shipped_wall):
 def test_critical_step_of_the_shipped_walls(shipped_wall):
     # 4.666e-5 s by an independent eigenvalue analysis, here down to three digits.
     assert natural_modes(lay_out(shipped_wall)).critical_time_step_s == 4.66e-5
-
-
-def test_rigid_motion_gives_no_force(shipped_wall):
-    layout = lay_out(shipped_wall)
-    inner = layout.contacts.first >= 0  # the ground does not move along
-    bodies, turn = layout.bodies, 1e-3
-    motion = np.column_stack([1 - turn * bodies.z, 2 + turn * bodies.x, np.full(len(bodies), turn)])
-    normals = contact_normals(layout.contacts)
-    for directions in (normals, normals[:, ::-1]):
-        moved = kinematic_matrix(layout, directions) @ motion.ravel()
-        assert_allclose(moved[inner], 0.0, atol=1e-12)
-
-
-def test_a_stack_of_one_brick_vibrates_as_by_hand():
-    """One brick on its base joint: two bed springs under its cells, rocking and sliding coupled."""
-    wall = Wall("brick", 0.225, 0.075, precompression=0.0)
-    layout = lay_out(wall, ModelOptions(cells=1))
-    contacts, bodies = layout.contacts, layout.bodies
-    k_n, k_s = contacts.normal_stiffness[0], contacts.shear_stiffness[0]
-    area, arm, half = contacts.area.sum(), np.abs(contacts.x - bodies.x[0]).max(), 0.0375
-    mass, inertia = bodies.mass[0], bodies.inertia[0]
-    shear, rocking = k_s * area, k_n * area * arm**2
-    matrix = np.array([[shear, shear * half], [shear * half, rocking + shear * half**2]])
-    root = np.diag([mass, inertia]) ** 0.5
-    omega = np.sqrt(
-        np.append(
-            np.linalg.eigvalsh(np.linalg.solve(root, matrix) @ np.linalg.inv(root)),
-            k_n * area / mass,
-        )
-    )
-    full = stiffness_matrix(layout).toarray() / np.sqrt(np.outer(*[mass_vector(layout)] * 2))
-    assert_allclose(np.sqrt(np.linalg.eigvalsh(full)), np.sort(omega), rtol=1e-10)
 
 
 HALF_BRICK_PIER = Wall("half", 2.025, 1.2, (Opening(0.1125, 0.9, 0.75),), lintel="courses")
@@ -103,17 +67,19 @@ def test_modes_are_those_of_lapack(symmetric_wall):
         )
 
 
+def restrained(restraints, options):
+    """The Layout of a wall with a window."""
+    window = (Opening(0.45, 0.9, 0.75),)
+    wall = Wall("w", 2.025, 1.2, window, precompression=1e5, restraints=restraints)
+    return lay_out(wall, options)
+
+
 @pytest.mark.parametrize(
     "options", [ModelOptions(), ModelOptions(contacts="gauss", bricks="deformable")]
 )
 @pytest.mark.parametrize("restraints", [(), (Restraint("top"), Restraint("left"))])
 def test_free_vibration_begins_with_the_first_mode(options, restraints):
-    layout = lay_out(
-        Wall(
-            "w", 2.025, 1.2, (Opening(0.45, 0.9, 0.75),), precompression=1e5, restraints=restraints
-        ),
-        options,
-    )
+    layout = restrained(restraints, options)
     wanted = natural_modes(layout).shape[0]
     assert_allclose(first_mode(layout), wanted, atol=1e-8 * np.abs(wanted).max())
 
@@ -160,12 +126,7 @@ def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):
 )
 @pytest.mark.parametrize("restraints", [(), (Restraint("top"), Restraint("left"))])
 def test_static_displacements_are_those_of_a_sparse_solver(options, restraints):
-    layout = lay_out(
-        Wall(
-            "w", 2.025, 1.2, (Opening(0.45, 0.9, 0.75),), precompression=1e5, restraints=restraints
-        ),
-        options,
-    )
+    layout = restrained(restraints, options)
     free, weight = (
         mass_vector(layout) > 0,
         np.zeros((len(layout.bodies), 3 + (layout.strain.n_modes if layout.strain else 0))),
@@ -178,24 +139,6 @@ def test_static_displacements_are_those_of_a_sparse_solver(options, restraints):
     assert_allclose(
         static_displacement(layout).ravel(), expected, atol=1e-9 * np.abs(expected).max()
     )
-
-
-def test_a_factor_makes_up_its_matrix(symmetric_wall):
-    """L D L' of the stiffness of rigid bricks, in the order of elimination."""
-    blocks = joint_stiffness(lay_out(symmetric_wall))
-    factor, whole = factorised(blocks), blocks.sparse().toarray()
-    n = len(factor.order)
-    lower, diagonal = (np.zeros((n, 3, n, 3)) for _ in range(2))
-    column = np.repeat(np.arange(n), np.diff(factor.start))
-    lower[factor.below, :, column], diagonal[range(n), :, range(n)] = factor.lower, factor.diagonal
-    lower, diagonal = (of.reshape(3 * n, 3 * n) for of in (lower, diagonal))
-    unit = lower + np.eye(3 * n)
-    order = (3 * factor.order[:, None] + np.arange(3)).ravel()
-    assert (whole == whole.T).all()
-    assert_allclose(
-        unit @ diagonal @ unit.T, whole[np.ix_(order, order)], atol=1e-13 * np.abs(whole).max()
-    )
-    assert_allclose(factor.inverse @ factor.diagonal, np.tile(np.eye(3), (n, 1, 1)), atol=1e-9)
 
 
 def test_modes_are_kept_for_walls_that_differ_by_strengths_alone(symmetric_wall):
