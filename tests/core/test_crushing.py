@@ -93,18 +93,6 @@ class TestSofteningCrushing:
         )
         assert pressed.closure == approx(10 * DEEP + pressed.normal_stress / KN, rel=1e-12)
 
-    def test_it_dissipates_its_fracture_energy(self):
-        """By its own account, and by the work done on it: G_c (1 - exp(-f_c d / G_c)), within 0.1
-        %."""
-        path = -np.linspace(0, 5 * G_C / FC, 20001)[1:]
-        states = follow(path, law=TOES)
-        stress = np.array([0.0, *(state.normal_stress for state in states)])
-        work = np.sum((stress[1:] + stress[:-1]) / 2 * np.diff(path, prepend=0.0))
-        last = states[-1]
-        expected = G_C * (1 - math.exp(-FC * last.closure / G_C))
-        assert last.fracture_work == approx(expected, rel=1e-3) and expected > 0.99 * G_C
-        assert work - elastic_energy(last.normal_stress, 0.0, KN, KS) == approx(expected, rel=1e-3)
-
     def test_it_unloads_with_its_stiffness_and_crushes_again_at_what_is_left(self):
         pressed, less, again = follow([-5 * DEEP, -4.9 * DEEP, -5 * DEEP], law=TOES)
         assert less.normal_stress - pressed.normal_stress == approx(0.1 * FC)
@@ -262,13 +250,3 @@ class TestHistory:
             float(history.attributes["total_joint_length_m"])
         )
         assert summary_row(history)["split_length_m"] == approx(SPLITTING.height)
-
-
-def pushed(layout, seconds=0.02, speed=0.05):
-    """A wall whose cap is pushed down and sideways fast: energies and state at the end."""
-    wall = ReferenceWall(layout, 0.3 * natural_modes(layout, 1).critical_time_step_s)
-    wall.start(np.zeros((0, 2)))
-    wall.hold(layout.pushed_bodies, rotation=True)
-    wall.push(speed)
-    wall.run(round(seconds / wall.time_step))
-    return wall

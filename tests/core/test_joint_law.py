@@ -46,16 +46,6 @@ def test_shear_peak_and_residual(compression):
     assert states[-1].slip == approx(1199 * step - compression * MU / KS, rel=1e-9)
 
 
-def test_breaking_in_tension_takes_the_cohesion_too():
-    states, _ = follow([(FT / KN * 1.01, 0.0), (-0.3e6 / KN, 0.0), (-0.3e6 / KN, 1e-3)])
-    assert states[-1].shear_stress == approx(0.3e6 * MU)
-
-
-def test_breaking_in_shear_takes_the_tensile_strength_too():
-    states, _ = follow([(0.0, 1.01 * C / KS), (1e-9, 1.01 * C / KS)])
-    assert states[-1].broken and states[-1].normal_stress == 0.0
-
-
 def test_shear_under_tension_is_weaker_and_opens_the_joint():
     opening = 0.1e6 / KN
     weaker = C - 0.1e6 * MU
@@ -77,41 +67,6 @@ def test_slip_is_frozen_while_open_and_reclosing_starts_without_shear():
     assert states[3].normal_stress == approx(-0.2e6)
     assert states[3].shear_stress == 0.0
     assert states[4].shear_stress == approx(KS * 1e-6)
-
-
-def test_cyclic_shear_is_a_rectangle():
-    sigma = 0.5e6
-    amplitude, n = 1e-4, 2000
-    path = [(-sigma / KN, amplitude * math.sin(2 * math.pi * k / n)) for k in range(1, 3 * n + 1)]
-    states, _ = follow(path, ContactState(broken=True))
-    peak = sigma * MU
-    assert max(s.shear_stress for s in states) == approx(peak)
-    assert min(s.shear_stress for s in states) == approx(-peak)
-    # Area of the rectangle: 2 tau (2 a - 2 tau / k_s) a cycle; steps of 3e-7 m resolve it to 1e-3.
-    loop = 2 * peak * (2 * amplitude - 2 * peak / KS)
-    assert states[-1].friction_work - states[n - 1].friction_work == approx(2 * loop, rel=2e-3)
-
-
-@pytest.mark.parametrize(
-    "law", [LAW, LAW._replace(mode_i_energy=5.0, mode_ii_energy=50.0)], ids=["brittle", "softening"]
-)
-def test_mirrored_shear_gives_mirrored_state(law):
-    path = [
-        (1e-6 * (math.sin(k / 5) - pull), 5e-5 * math.sin(k / 9))
-        for pull in (1, 0)
-        for k in range(500)
-    ]
-    (here, _), (there, _) = (
-        follow(path, law=law),
-        follow([(opening, -shear) for opening, shear in path], law=law),
-    )
-    for a, b in zip(here, there):
-        assert (a.normal_stress, a.shear_stress, a.slip) == (
-            b.normal_stress,
-            -b.shear_stress,
-            -b.slip,
-        )
-    assert here[-1].broken and any(state.slip for state in here)
 
 
 def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
