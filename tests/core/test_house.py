@@ -49,24 +49,6 @@ def test_a_cantilever_vibrates_out_of_plane_as_a_beam():
     assert_allclose(found.period_s[0], np.hypot(bending, sliding), rtol=0.01)
 
 
-def test_toothed_walls_share_their_corners_and_are_joined():
-    """Two walls of two courses: each gives up one half brick at the corner, whose square a whole
-    one of the other fills; in between they lie on each other, t x t, and meet end to face."""
-    one, other = (Wall(name, 0.8, base_course=base, **ASHLAR) for name, base in _BASES)
-    house = House(
-        "two", [Placed(one), Placed(other, (0.1, -0.1), 90)], [Corner(("one", "other"), "toothed")]
-    )
-    layout = lay_out_house(house)
-    alone = [len(lay_out(wall).bodies) for wall in (one, other)]
-    assert len(layout.bodies) == sum(alone) - 2
-    between = layout.space.joint_wall == -1
-    flat, area = layout.contacts.kind[between] == 0, layout.contacts.area[between]
-    assert_allclose([area[flat].sum(), area[~flat].sum()], [0.2 * 0.2, 2 * 0.2 * 0.2])
-    weight = 1900 * 0.2 * (0.8 + 0.8 - 0.2) * 0.4
-    assert_allclose(layout.total_mass, weight)
-    assert natural_modes(layout, 1).period_s[0] > 0
-
-
 def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_piers():
     door = damage.Opening(left=0.4, width=0.8, height=0.8)
     one = Wall("one", 1.6, openings=(door,), lintel="concrete", **ASHLAR | {"height": 1.2})
@@ -80,9 +62,6 @@ def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_
     top = layout.space.drift_bodies[0]
     assert len(top) > 0
     assert set(layout.bodies.course[top]) == {5} and set(layout.space.wall[top]) == {0}
-
-
-_BASES = (("one", "whole"), ("other", "half"))
 
 
 def _box(tmp_path, old, new):
@@ -159,7 +138,8 @@ def test_inputs_of_a_house_are_drawn_for_its_floors_too():
 
 
 def test_corners_of_two_masonries_have_the_weaker_properties():
-    """Each wall keeps its own; a half brick makes room for a brick of the other wall."""
+    """Each wall keeps its own, and gives up one half brick at the corner for a whole one of the
+    other; in between they lie on each other, t x t, and meet end to face."""
     ends = ("one", "whole", 5e9, 2e5, 0.5, 1500), ("other", "half", 8e9, 1e5, 0.7, 2000)
     walls = []
     for name, base, stiff, bond, friction, density in ends:
@@ -175,6 +155,8 @@ def test_corners_of_two_masonries_have_the_weaker_properties():
     friction = layout.space.lesser(contacts, np.array([0.5, 0.7]))
     assert [set(friction[wall == number]) for number in (0, 1, -1)] == [{0.5}, {0.7}, {0.5}]
     flat = (wall == -1) & (contacts.kind == 0)
+    area, upright = contacts.area, (wall == -1) & ~flat
+    assert_allclose([area[flat].sum(), area[upright].sum()], [0.2 * 0.2, 2 * 0.2 * 0.2])
     brick = walls[0].brick
     assert_allclose(contacts.normal_stiffness[flat], 1 / (1 / 5e9 + 0.2 / brick.young_modulus))
 
@@ -220,11 +202,12 @@ def test_a_slab_makes_walls_share_a_push_by_their_stiffness():
 def test_the_ground_below_a_house_follows_its_profile_along_the_heading(profile):
     """Below each brick the chord over the brick, from where the house begins to where it ends."""
     house, given = replace(read_house(BOX), heading=30), 1 / 500
+    settlement = Settlement(profile, given)
     layout = lay_out_house(house, ModelOptions(supports="bricks"))
     heading = np.array([np.cos(np.radians(30)), 0.5])
     low, high = outline(house.walls)
     begins, length = low @ heading, (high - low) @ heading  # both parts of the heading are positive
-    end = Settlement(profile, given).displacement([1e3], layout.ground)[0]
+    end = settlement.displacement([1e3], layout.ground)[0]
     bricks = [layout.contacts.second[layout.contacts.first == GROUND - k] for k in range(len(end))]
     there = np.array([len(one) > 0 for one in bricks])
     body = np.array([one[0] for one in bricks if len(one)])
@@ -233,16 +216,7 @@ def test_the_ground_below_a_house_follows_its_profile_along_the_heading(profile)
     middle = layout.space.centres(layout.bodies)[body, :2] @ heading - begins
 
     def ground(x):
-        past, from_middle = np.maximum(x - length / 2, 0), 2 * x / length - 1
-        return (
-            given
-            * {
-                "knick": -past,
-                "tilt": -x,
-                "hogging": -length / 2 * from_middle**2,
-                "sagging": length / 2 * (from_middle**2 - 1),
-            }[profile]
-        )
+        return settlement.vertical(x, length)
 
     before, after = ground(middle - width / 2), ground(middle + width / 2)
     assert_allclose(end[there, 1], (before + after) / 2, atol=1e-8)

@@ -81,23 +81,6 @@ def carried(layout, now, z, across):
     return weight.sum(), lateral.sum(), lateral @ (bodies.z[above] + uz[above] - z) + weight @ arm
 
 
-def test_stresses_of_a_pier_are_n_over_a_plus_m_over_w(pier):
-    layout, now = pier
-    contacts, area, modulus = layout.contacts, 0.2 * 0.1, 0.1 * 0.2**2 / 6
-    weight, lateral, moment = carried(layout, now, 0.0, 0.3)
-    base = np.flatnonzero(contacts.first[: layout.n_joints] < 0)
-    share = (contacts.x[base] - 0.1) / 0.1  # of the way to the edge
-    # of the joint's axes
-    (normal, shear), turn = now.joint_stress_pa[0, base].T, now.displacement[0, 0, 2] / 2
-    # The base joint is one brick's: its stress is linear.  Its four Gauss points have the second
-    # moment of the section.
-    assert contacts.area[base] @ (contacts.x[base] - 0.1) ** 2 == pytest.approx(modulus * 0.1)
-    assert_allclose(normal, -weight / area - share * moment / modulus, rtol=2e-4)
-    assert normal.max() - normal.min() > 0.3 * weight / area  # a lateral force that counts
-    assert_allclose(shear.sum() * 0.005, lateral * np.cos(turn) - weight * np.sin(turn), rtol=1e-7)
-    assert_allclose(shear, lateral / area, rtol=2e-2)
-
-
 def test_thrust_of_a_pier_passes_where_statics_says(pier):
     layout, now = pier
     table = sections_table(as_history(layout, now.joint_stress_pa), ["rest"])
@@ -112,7 +95,7 @@ def test_thrust_of_a_pier_passes_where_statics_says(pier):
         assert_allclose(row.eccentricity_over_length, moment / weight / 0.2, atol=2.5e-5)
 
 
-def test_contact_forces_carry_every_course_and_every_brick():
+def test_contact_forces_carry_the_wall_and_every_brick():
     layout = lay_out(SMALL)
     now, _ = at_rest(layout)
     history, bodies, points = (
@@ -121,14 +104,6 @@ def test_contact_forces_carry_every_course_and_every_brick():
         layout.contacts,
     )
     force = turned(layout, now, contact_forces(history, 0))
-    beds = points.z[: layout.n_joints][(history.joints["kind"] == "bed").to_numpy()]
-    for z in np.unique(np.round(beds, 9)):
-        cut = (history.joints["kind"] == "bed").to_numpy() & (
-            np.abs(points.z[: layout.n_joints] - z) < 1e-9
-        )
-        assert force[cut, 1].sum() == pytest.approx(
-            GRAVITY * bodies.mass[bodies.z > z].sum(), rel=1e-9
-        )
     base = points.first[: layout.n_joints] < 0
     assert force[base, 1].sum() == pytest.approx(GRAVITY * bodies.mass.sum(), rel=1e-9)
     on_bodies = np.zeros((len(bodies), 2))
@@ -155,7 +130,7 @@ def turned(layout, now, force):
 
 def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
     """24 bricks on end over 4 bricks' length, nothing on top: H is constant, H (z - crown) = -w (x
-    - middle)^2 / 2."""
+    - middle)^2 / 2.  It stands, 4 % above the least thickness: `TestArch` of `test_lintels.py`."""
     brick = Brick(length=0.36, height=0.06, thickness=0.1)
     opening = Opening(
         brick.length, 4 * brick.length, 8 * brick.height, 0.0, Lintel("arch", 5 * brick.height, 0.0)
@@ -235,19 +210,6 @@ def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken)
     for name in ("opening_m", "slip_m", "broken"):
         assert_array_equal(getattr(kept, name), getattr(without, name))
     pd.testing.assert_frame_equal(series, without.series)
-
-
-def test_the_joint_law_holds_in_what_is_kept(shaken):
-    kept, _ = shaken
-    normal, shear = np.moveaxis(
-        kept.joint_stress_pa[:, ~kept.joints["elastic"].to_numpy()].astype(float), 2, 0
-    )
-    joint, broken = SMALL.joint, kept.broken[:, ~kept.joints["elastic"].to_numpy()]
-    friction = np.tan(joint.friction_angle) * -np.minimum(normal, 0.0)
-    assert broken.any() and np.all(
-        np.abs(shear) <= (friction + np.where(broken, 0.0, joint.cohesion)) * 1.0001 + 1.0
-    )
-    assert (normal <= joint.tensile_strength * 1.0001).all()
 
 
 def test_the_static_stage_is_kept_to_where_it_ends(shaken):

@@ -9,7 +9,7 @@ import pytest
 from conftest import one_line_error
 from numpy.testing import assert_allclose
 
-from damage.law.modes import contact_normals, natural_modes, static_displacement
+from damage.law.modes import natural_modes, static_displacement
 from damage.run.banner import wall_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
@@ -22,7 +22,6 @@ from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
 from verification.collapse import settled_wall
-from verification.limit_analysis import kinematic_matrix
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 
@@ -107,42 +106,24 @@ class TestArch:
     which is 0.6 for L = 4 B.
     """
 
-    NO_TENSION = Joint(2e10, 1e10, 1.2, 0.0, 1e7)
-
-    def layout(self, high, springing):
-        """The arch takes so many courses, and begins above so many."""
-        brick = Brick(length=0.36, height=0.06, thickness=0.1)
-        opening = Opening(
-            brick.length,
-            4 * brick.length,
-            springing * brick.height,
-            0.0,
-            Lintel("arch", high * brick.height, 0.0),
-        )
-        return lay_out(
-            Wall(
-                "arch",
-                6 * brick.length,
-                (high + springing) * brick.height,
-                (opening,),
-                0.0,
-                brick=brick,
-                joint=self.NO_TENSION,
-            ),
-            ModelOptions(contacts="corners"),
-        )
-
-    def test_it_stands_4_percent_above_the_least_thickness(self):
-        layout = self.layout(5, 8)
-        assert 5 / 8 == pytest.approx(1.05 * 0.6, rel=0.01) and layout.plan.lintels[0].parts == 24
-        wall = settled_wall(layout)
-        middle = layout.n_bricks + 12
-        assert -1e-3 < wall.displacement[middle, 1] < 0
-
     def test_it_falls_5_percent_below(self):
+        """Four courses of arch above seven.  Five above eight, 4 % above, stand:
+        `test_joint_stress.py`."""
         assert 4 / 7 == pytest.approx(0.95 * 0.6, rel=0.01)
+        brick = Brick(length=0.36, height=0.06, thickness=0.1)
+        lintel = Lintel("arch", 4 * brick.height, 0.0)
+        opening = Opening(brick.length, 4 * brick.length, 7 * brick.height, 0.0, lintel)
+        made = Wall(
+            "arch",
+            6 * brick.length,
+            11 * brick.height,
+            (opening,),
+            0.0,
+            brick=brick,
+            joint=Joint(2e10, 1e10, 1.2, 0.0, 1e7),
+        )
         with pytest.raises(ValueError, match="does not stand under its own weight"):
-            settled_wall(self.layout(4, 7))
+            settled_wall(lay_out(made, ModelOptions(contacts="corners")))
 
 
 class TestPlaces:
@@ -191,7 +172,6 @@ class TestPlaces:
         layout = lay_out(wall((replace(DOOR, lintel=lintel),)), ModelOptions(contacts=contacts))
         (place,), bodies, contact = layout.plan.lintels, layout.bodies, layout.contacts
         parts = np.flatnonzero(bodies.course < 0)
-        assert_allclose(np.sum(bodies.length * bodies.height), 2.4 * 1.2 - 0.8 * 0.8)
         assert layout.n_below_caps - layout.n_bricks == len(parts) == place.parts
         of = np.isin(contact.first, parts), np.isin(contact.second, parts)
         high = (place.above - place.first) * 0.1
@@ -208,32 +188,6 @@ class TestPlaces:
                 np.array_equal(contact.elastic, contact.kind == CUT)
                 and inner[contact.kind == CUT].all()
             )
-
-    def test_reactions_carry_lintels_and_the_floors_on_them(self):
-        """Half of the floor lies on bricks, half on the lintel's top course."""
-        layout = lay_out(
-            wall((DOOR,), floors=(Floor(0.9, 500.0, 1.2, 2.2),)), ModelOptions(contacts="gauss")
-        )
-        bodies, contacts = layout.bodies, layout.contacts
-        laid = bodies.course >= 0
-        own = np.where(
-            laid,
-            BRICK.density * BRICK.thickness * bodies.length * bodies.height,
-            2500.0 * 0.1 * 0.15 * bodies.length,
-        )
-        assert_allclose(bodies.mass[~laid].sum() - own[~laid].sum(), 250.0, rtol=0.05)
-        opening = (
-            kinematic_matrix(layout, contact_normals(contacts))
-            @ static_displacement(layout).ravel()
-        )
-        force = np.where(
-            contacts.first < 0, -contacts.normal_stiffness * contacts.area * opening, 0.0
-        )
-        assert_allclose(
-            [force.sum(), force @ contacts.x],
-            GRAVITY * np.array([own.sum() + 500.0, own @ bodies.x + 500.0 * 1.7]),
-            rtol=1e-9,
-        )
 
 
 class TestOptions:
