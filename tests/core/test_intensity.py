@@ -18,7 +18,6 @@ from damage.motion.intensity import (
     POINTS_PER_PERIOD,
     SPECTRUM_PERIODS_S,
     applied_measures,
-    arias_m_s,
     describe,
     end_warnings,
     motion_summary,
@@ -40,33 +39,8 @@ from damage.units import GRAVITY
 BETWEEN_INSTANTS = 1 - math.cos(math.pi / POINTS_PER_PERIOD)
 
 
-def sine(amplitude_m_s2=1.0, period_s=0.5, cycles=10, samples_per_cycle=200):
-    step_s = period_s / samples_per_cycle
-    time_s = np.arange(cycles * samples_per_cycle + 1) * step_s
-    return Record("sine", step_s, amplitude_m_s2 * np.sin(2 * np.pi * time_s / period_s))
-
-
 def constant(amplitude_m_s2=1.0, step_s=0.01, samples=501):
     return Record("step", step_s, np.full(samples, amplitude_m_s2))
-
-
-class TestArias:
-    def test_of_a_sine(self):
-        # the trapezoidal rule is exact for whole cycles of a sampled sine, but for round-off
-        expected = math.pi / (2 * GRAVITY) * 3.0**2 * 5.0 / 2
-        assert arias_m_s(sine(3.0)) == pytest.approx(expected, rel=1e-12)
-
-    def test_duration_of_constant_shaking_is_the_share_of_its_time(self):
-        # the running integral is a straight line, so linear interpolation is exact
-        assert significant_duration_s(constant(), 0.05, 0.75) == pytest.approx(3.5, rel=1e-12)
-        assert significant_duration_s(constant(), 0.05, 0.95) == pytest.approx(4.5, rel=1e-12)
-
-    def test_duration_does_not_see_the_quiet_around(self):
-        shaking = constant().acceleration_m_s2
-        quiet = np.zeros(1000)
-        padded = Record("padded", 0.01, np.concatenate((quiet, shaking, quiet)))
-        # the two ramps of one step at the ends are 2 * 0.01 / 3 s of 5 s
-        assert significant_duration_s(padded) == pytest.approx(3.5, rel=2e-3)
 
 
 class TestSpectrum:
@@ -94,11 +68,11 @@ class TestSpectrum:
             ),
             ("no motion", significant_duration_s, Record("still", 0.01, np.zeros(100))),
             *(
-                ("periods", response_spectrum, sine(), periods_s)
+                ("periods", response_spectrum, constant(), periods_s)
                 for periods_s in ([0.0], [-0.1], [math.nan], [[0.1, 0.2]])
             ),
             *(
-                ("damping ratio", response_spectrum, sine(), [0.1], damping)
+                ("damping ratio", response_spectrum, constant(), [0.1], damping)
                 for damping in (-0.1, 1.0, math.nan)
             ),
         ],
@@ -125,7 +99,6 @@ class TestZeerijpRecords:
     # peak at 200 samples a second.
     PEAKS = (
         ("BGAR_HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
-        ("NL.BGAR..HGE", 0.1107, 3.22, 0.0164, 0.43, 3.3),
         ("NL.BGAR..HGN", 0.0713, 2.00, 0.0099, 0.53, 4.3),
         ("NL.BGAR..HGZ", 0.0724, 0.67, 0.0043, 1.8, 4.6),
     )
@@ -201,13 +174,6 @@ class TestLargestOfAllDirections:
         assert 0.1 * table["pgv_rotd100_mm_s"][f"{station}_HGE"] == pytest.approx(
             found["pgv_rotd100_cm_s"], rel=whole
         )
-
-    def test_a_circle_has_its_radius_in_all_directions(self):
-        time_s = np.arange(2001) * 1e-3
-        pair = [Record("x", 1e-3, np.cos(7 * time_s)), Record("y", 1e-3, np.sin(7 * time_s))]
-        assert_allclose(rotd100(*pair)["pga_rotd100_g"] * GRAVITY, 1.0, rtol=1e-12)
-        # from rest: the circle's diameter
-        assert pgv_rotd100_m_s(*pair) == pytest.approx(2 / 7, rel=1e-4)
 
     def test_a_run_has_it_where_the_other_component_is_given(self):
         east, north = (read_record(shipped_record_path(f"BGAR_{end}")) for end in ("HGE", "HGN"))
@@ -352,12 +318,6 @@ class TestAppliedMotion:
         for key, share in (("d5_75_s", 0.75), ("d5_95_s", 0.95)):
             begin, end = np.interp([0.05 * energy[-1], share * energy[-1]], energy, time_s)
             assert found[key] == pytest.approx(end - begin, rel=1e-9)
-
-    def test_the_peak_velocity_between_two_samples(self):
-        # from 2 to -1 m/s2 in 0.3 s the acceleration passes zero after 0.2 s, where the velocity is
-        # 0.2 m/s
-        assert pgv_m_s(Record("r", 0.3, [2.0, -1.0])) == pytest.approx(0.2)
-        assert pgv_m_s(Record("r", 0.3, [-2.0, -2.0])) == pytest.approx(0.6)
 
     def test_a_harmonic_motion_by_closed_forms(self):
         found = applied_measures(Harmonic(0.2, 0.1, 3).applied(), None)

@@ -24,7 +24,6 @@ from damage.motion.record import (
     band_passed,
     baseline_corrected,
     interpolated,
-    scaled,
     whole_steps,
     windowed,
 )
@@ -108,31 +107,9 @@ class TestWindow:
         assert part.start_utc == "2018-01-08T14:00:02.500000Z"
 
 
-def sines(rate_hz, until_s=4.0):
-    """Seven sines up to 21.75 Hz, of which a sampling at 50 Hz holds everything, sampled at a rate
-    [Hz]."""
-    time_s = np.arange(round(until_s * rate_hz) + 1) / rate_hz
-    values = sum(
-        np.sin(2 * np.pi * hz * time_s + hz) for hz in (1.3, 4.7, 8.1, 11.9, 15.3, 18.2, 21.75)
-    )
-    return Record(f"sines_{rate_hz:g}", 1 / rate_hz, values, start_utc="2018-01-08T14:00:37Z")
-
-
 class TestInterpolation:
-    def test_a_coarse_sampling_holds_what_a_fine_one_does(self):
-        coarse, true = interpolated(sines(50)), sines(500)
-        assert coarse.time_step_s == pytest.approx(true.time_step_s)
-        assert coarse.start_utc == true.start_utc and coarse.duration_s == pytest.approx(4.0)
-        off = np.abs(coarse.acceleration_m_s2 - true.acceleration_m_s2)
-        assert off[640:-640].max() < 2e-4 * np.abs(true.acceleration_m_s2).max()
-        lines = np.interp(true.time_s, sines(50).time_s, sines(50).acceleration_m_s2)
-        assert (
-            np.abs(lines - true.acceleration_m_s2).max()
-            > 0.3 * np.abs(true.acceleration_m_s2).max()
-        )
-
     def test_a_window_is_the_part_of_the_whole(self):
-        record = sines(50, 10.0)
+        record = sine_record(step_s=0.02, duration_s=10.0)
         part, whole, cut = (
             interpolated(record, (4.0, 6.0)),
             interpolated(record),
@@ -278,53 +255,23 @@ SINE = sine_record()
 @pytest.mark.parametrize(
     "refusal",
     [
-        *(
-            ("time step", Record, "r", step, [0.0, 1.0])
-            for step in (0.0, -0.01, math.nan, math.inf)
-        ),
-        *(
-            ("shape", Record, "r", 0.01, samples)
-            for samples in ([], [1.0], [[0.0, 1.0], [1.0, 2.0]])
-        ),
-        *(
-            ("sample 2 is", Record, "r", 0.01, [0.0, 1.0, bad])
-            for bad in (math.nan, math.inf, -math.inf)
-        ),
+        *(("time step", Record, "r", step, [0.0, 1.0]) for step in (0.0, math.nan)),
+        *(("shape", Record, "r", 0.01, samples) for samples in ([1.0], [[0.0, 1.0], [1.0, 2.0]])),
+        *(("sample 2 is", Record, "r", 0.01, [0.0, 1.0, bad]) for bad in (math.nan, -math.inf)),
         ("yesterday", Record, "r", 1.0, [0, 1], "yesterday"),
-        *(("scale factor", scaled, SINE, factor) for factor in (math.nan, math.inf)),
-        *(
-            ("window", windowed, SINE, *ends)
-            for ends in (
-                (-1, 5),
-                (5, 21),
-                (5, 5),
-                (6, 5),
-                (math.nan, 5),
-                (0, math.inf),
-                (1.0, 1.001),
-            )
-        ),
+        *(("window", windowed, SINE, *ends) for ends in ((5, 21), (5, 5), (1.0, 1.001))),
         *(
             ("to cover the other", aligned_with, windowed(SINE, 3.0, 8.0), windowed(SINE, *ends))
             for ends in ((2.0, 4.0), (7.0, 9.0), (0.0, 20.0))
         ),
-        ("no start time", aligned_with, SINE, Record("r", 1, [0, 1])),
-        *(("baseline order", baseline_corrected, SINE, order) for order in (-1, 1.5, math.nan, 10)),
-        *(
-            ("100 Hz", band_passed, SINE, *corners)
-            for corners in ((0, 20), (-1, 20), (20, 10), (10, 10), (0.1, 100), (0.1, math.nan))
-        ),
-        *(
-            ("filter order", band_passed, SINE, 0.1, 40, order)
-            for order in (0, 3, -4, 2.5, math.nan)
-        ),
-        ("too few", band_passed, Record("r", 0.005, [0, 1, 0]), 0.1, 40),
-        *(("time step", whole_steps, 0.005, limit) for limit in (0, -1, math.nan, math.inf)),
+        *(("100 Hz", band_passed, SINE, *corners) for corners in ((20, 10), (10, 10), (0.1, 100))),
+        *(("filter order", band_passed, SINE, 0.1, 40, order) for order in (0, 3, 2.5)),
+        *(("time step", whole_steps, 0.005, limit) for limit in (0, math.nan)),
     ],
     ids=lambda row: row[0],
 )
 def test_what_cannot_be_is_refused(refusal):
-    """A window outside its record, reversed or too short; a record that starts later or ends
-    earlier than another."""
+    """A window outside its record or too short; a record that starts later or ends earlier than
+    another.  Odd values of options: `test_bad_input.py`."""
     words, *call = refusal
     assert words in one_line_error(*call)

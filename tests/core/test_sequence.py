@@ -5,10 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import contents, one_line_error, refused_with, written
+from conftest import one_line_error, refused_with, run_here, written
 from numpy.testing import assert_allclose, assert_array_equal
 
-import damage
 from damage.draw.run import sequence_picture
 from damage.draw.words import run_title
 from damage.history.reader import History
@@ -16,7 +15,6 @@ from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
 from damage.measure.tables import summary_row, write_run_tables
 from damage.motion.sequence import read_sequence
-from damage.reference.session import run_reference
 from damage.rounded import ACCELERATION
 from damage.run.banner import sequence_lines
 from damage.run.options import parse_run
@@ -102,22 +100,14 @@ class TestReading:
             (["--record", "BGAR_HGE"], "and --record"),
             (["--window", "1", "2"], "--window"),
             (["--harmonic", "0.2", "0.1"], "--harmonic"),
-            (["--rest", "-1"], "--rest"),
         ],
     )
     def test_other_motions_beside_it_are_refused(self, tmp_path, words, message):
         assert message in one_line_error(settings, file_of(tmp_path, DIFFERENT), *words)
 
-    @pytest.mark.parametrize(
-        "words, message",
-        [
-            (["--sequence", "1,x"], "numbers with commas"),
-            (["--sequence", "1,nan"], "factor of --sequence = nan"),
-            (["--free-vibration", "--sequence", "1,1"], "belongs to"),
-        ],
-    )
-    def test_bad_factors_are_refused(self, words, message):
-        refused_with(message, parse_run, words, "test", "reference")
+    def test_factors_without_a_motion_are_refused(self):
+        words = ["--free-vibration", "--sequence", "1,1"]
+        refused_with("belongs to", parse_run, words, "test", "reference")
 
     def test_a_factor_and_a_rest_out_of_range(self, tmp_path):
         for row in ("BGAR_HGE,1e6,1", "BGAR_HGE,1,-1", "BGAR_HGE,1,1e6"):
@@ -202,44 +192,11 @@ def test_the_factor_on_the_strongest_motion_is_not_that_of_one_of_the_same_name(
     assert History.strongest_factor.fget(history) == 1
 
 
-@pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """{name: path of a history}: a list of factors, the same events from a file, different
-    records."""
-    folder = tmp_path_factory.mktemp("sequence")
-    equal = file_of(
-        folder, "record,scale,start_s,end_s\n" + 2 * f"{RECORD},9,18.4,18.9\n", "equal.csv"
+def test_a_row_an_event(tmp_path):
+    stronger = file_of(tmp_path, DIFFERENT.replace("HGE,2", "HGE,12"))
+    history = run_here(
+        tmp_path / "a.h5", "walls/variants/small.py", "--sequence", stronger, "--rest", 0.1
     )
-    different = file_of(folder, DIFFERENT.replace("HGE,2", "HGE,12"))
-    asked = {
-        "list": ["--record", RECORD, "--window", "18.4", "18.9", "--sequence", "9,9"],
-        "file": ["--sequence", str(equal)],
-        "different": ["--sequence", str(different)],
-    }
-    for name, words in asked.items():
-        out = str(folder / f"{name}.h5")
-        assert (
-            run_reference(
-                ["walls/variants/small.py", *words, "--rest", "0.1", "--no-pictures", "--out", out]
-            )
-            == 0
-        )
-    return {name: folder / f"{name}.h5" for name in asked}
-
-
-def test_equal_events_equal_the_list_of_factors_bit_for_bit(runs):
-    one, other = contents(runs["list"]), contents(runs["file"])
-    assert one.keys() == other.keys() and len(one) > 20
-    assert [name for name in one if one[name] != other[name]] == []
-    one, other = (damage.read_history(runs[name]) for name in ("list", "file"))
-    assert (
-        shocks_table(one).equals(shocks_table(other))
-        and other.strongest_factor == one.strongest_factor == 9
-    )
-
-
-def test_a_row_an_event(runs):
-    history = damage.read_history(runs["different"])
     table = shocks_table(history)
     assert list(table["factor"]) == [12, 8, -3]
     assert [name.split("_x1")[0] for name in table["motion"]] == [
