@@ -33,7 +33,6 @@ RUNS = {
         "1/500",
         "--stresses",
     ),
-    "pushed": (SMALL, "--pushover", "0.02", "--no-pictures", "--quiet"),
     "split": (*SPLITS, "--no-pictures", "--quiet"),
     "spread": (*TOP_SHARE, "--relaxation", "local", "--quiet"),
     "falling": (
@@ -170,7 +169,6 @@ def refused(folder, words, capsys):
             (*SHAKE, "--rest", "0.2"),
             "rest_s is 0.2, and was 0.1; expected the options of the run that was interrupted",
         ),
-        ((*SHAKE, "--overwrite"), "with --out or --overwrite: expected one of them"),
         ((*SHAKE, "--out", "other.h5"), "with --out or --overwrite: expected one of them"),
         (
             (*SHAKE, "--members", "2"),

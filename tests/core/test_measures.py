@@ -281,9 +281,7 @@ def test_index_is_now_and_not_ever():
 @pytest.mark.parametrize(
     "options",
     [
-        {"threshold": 0.0},
         {"drift_limit": -1.0},
-        {"threshold": float("nan")},
         {"slip_criterion": "sliding"},
     ],
 )

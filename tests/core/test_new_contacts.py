@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 import pytest
 import test_ends
-from conftest import run_here, total_energy, wall_file
+from conftest import run_here, wall_file
 from numpy.testing import assert_allclose
-from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, ended, run_to_the_end, shove
+from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, ended
 from test_widths import ACTIONS, act, make
 
 from damage.draw.run import has_heap
@@ -19,7 +19,7 @@ from damage.law.modes import natural_modes
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.measure.warnings import warnings_of
 from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
-from damage.mechanics.tables import FRICTION, HAS_FAILED, INPUT, ROTATION, X, Z
+from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
 from damage.run.monitor import fastest_fallen
 from damage.run.settings import RESTS_BELOW_M_S
@@ -113,26 +113,6 @@ def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
     assert wall.loose.energy[STORED] == pytest.approx(stored, rel=0.01)
     assert wall.loose.energy[LARGEST] == pytest.approx(DIAMETER / 2, rel=0.001)
     assert wall.energy[FRICTION] - friction < 0.01 * stored
-
-
-def test_a_brick_that_is_shoved_off_falls_to_the_ground_and_rests():
-    """It lies flat or on end on the ground, whose joint with the lower brick continues; no energy
-    is created."""
-    wall = pair()
-    shove(wall, 2.0)
-    run_to_the_end(wall)
-    stored, balance = [], []
-    for _ in range(60):
-        wall.run(round(0.05 / wall.time_step))
-        balance.append(total_energy(wall))
-        stored.append(balance[-1] - wall.energy[1:].sum() + wall.energy[INPUT])
-    assert wall.kinetic_energy() < 1e-6
-    assert np.all(np.diff(stored) < 1e-3 * stored[0]) and np.ptp(balance) < 0.005 * stored[0]
-    angle = abs(wall.displacement[1, ROTATION]) % (np.pi / 2)
-    assert min(angle, np.pi / 2 - angle) < 0.01
-    z = wall.layout.bodies.z[1] + wall.displacement[1, Z]
-    assert min(abs(z - HEIGHT / 2), abs(z - LENGTH / 2)) < 1e-3
-    assert wall.displacement[1, X] > LENGTH and wall.loose.counts[INSIDE] == 0
 
 
 def test_a_brick_that_slides_over_its_length_on_the_ground_keeps_on_sliding():

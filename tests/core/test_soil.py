@@ -2,13 +2,15 @@
 forms."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import refused_with
+from scipy.linalg import eigh
 
 import damage
-from damage.law.modes import natural_modes
+from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.energy import energy_error_of
 from damage.run.options import parse_run
@@ -127,28 +129,19 @@ def test_dashpots_of_the_soil_take_energy_as_by_the_closed_form():
 
 
 def test_the_fastest_decay_is_that_of_the_stiffest_base_by_lapack():
-    layout = lay_out(Wall("w", 1.0, 0.6), ModelOptions(soil=SOIL, soil_velocity=100.0))
-    contacts, bodies, rates = layout.contacts, layout.bodies, []
-    for body in np.unique(contacts.second[contacts.first < 0]):
-        base = np.flatnonzero((contacts.first < 0) & (contacts.second == body))
-        x, z, none, one = (
-            contacts.x[base] - bodies.x[body],
-            contacts.z[base] - bodies.z[body],
-            0 * base,
-            1 + 0 * base,
-        )
-        damping = sum(
-            time * ((moved * of[base] * contacts.area[base]) @ moved.T)
-            for time, of, moved in zip(
-                radiation_times(layout.options),
-                (contacts.normal_stiffness, contacts.shear_stiffness),
-                (np.stack([none, one, x]), np.stack([one, none, -z])),
-            )
-        )
-        mass = np.sqrt([bodies.mass[body], bodies.mass[body], bodies.inertia[body]])
-        rates.append(np.linalg.eigvalsh(damping / np.outer(mass, mass)).max())
-    assert len(rates) > 3 and np.ptp(rates) > 0
-    assert fastest_decay(layout) == pytest.approx(max(rates), rel=1e-13)
+    """Dashpots are springs of the soil times their times."""
+    wall = Wall("w", 1.0, 0.6, precompression=0.0)
+    layout = lay_out(wall, ModelOptions(soil=SOIL, soil_velocity=100.0))
+    contacts, (up, along) = layout.contacts, radiation_times(layout.options)
+    ground = contacts.first < 0
+    dashpots = replace(
+        contacts,
+        normal_stiffness=up * ground * contacts.normal_stiffness,
+        shear_stiffness=along * ground * contacts.shear_stiffness,
+    )
+    damping = stiffness_matrix(replace(layout, contacts=dashpots)).toarray()
+    rates = eigh(damping, np.diag(mass_vector(layout)), eigvals_only=True)
+    assert fastest_decay(layout) == pytest.approx(rates[-1], rel=1e-9)
 
 
 def test_the_base_lifts_off_at_the_exact_moment():
@@ -188,8 +181,6 @@ def test_drift_leaves_the_rocking_of_the_base_out(run_of):
 @pytest.mark.parametrize(
     "words, said",
     [
-        (["--soil", "0"], "--soil 0: expected rigid, or the modulus"),
-        (["--soil", "soft"], "--soil soft: expected rigid"),
         (["--footing", "0.6"], "--footing = 0.6 without --soil"),
         (["--soil-velocity", "150"], "--soil-velocity = 150.0 without --soil"),
     ],
@@ -208,13 +199,12 @@ def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path):
     )
     layout = lay_out(wall, ModelOptions(**options))
     up, along = stiffness(layout)
-    for top in (0.0, spring):
-        history = damage.run(wall, pushover=0.01, speed=1e-4, top_rotation=top, dt=5e-5, **options)
-        rock = up * wall.length**3 / 12 + top - GRAVITY * layout.total_mass * wall.height / 2
-        expected = 1 / (1 / (along * wall.length) + (wall.height / 2) ** 2 / rock)
-        last = history.series.iloc[-1]
-        assert last["top_force_n"] / last["top_displacement_m"] == pytest.approx(expected, rel=5e-3)
-        assert energy_error_of(history) < 1e-3
+    history = damage.run(wall, pushover=0.01, speed=1e-4, top_rotation=spring, dt=5e-5, **options)
+    rock = up * wall.length**3 / 12 + spring - GRAVITY * layout.total_mass * wall.height / 2
+    expected = 1 / (1 / (along * wall.length) + (wall.height / 2) ** 2 / rock)
+    last = history.series.iloc[-1]
+    assert last["top_force_n"] / last["top_displacement_m"] == pytest.approx(expected, rel=5e-3)
+    assert energy_error_of(history) < 1e-3
     refused_with(
         "is too stiff for time steps of",
         damage.run,
