@@ -135,19 +135,24 @@ def cantilever(finer):
     )
 
 
-def beam_stiffness():
-    """Force over displacement of the end [N/m]: Timoshenko's beam up to the cap's middle, rigid
-    above the wall."""
-    wall = cantilever(1).wall
-    brick, joint = wall.brick, wall.joint
+def running_bond(brick, joint):
+    """E_z and G [Pa] of running bond, by the module's formulas."""
     bed_n = 1 / (1 / joint.normal_stiffness + brick.height / brick.young_modulus)
     bed_s = 1 / (1 / joint.shear_stiffness + brick.height / brick.shear_modulus)
     head_s = 1 / (1 / joint.shear_stiffness + brick.length / brick.shear_modulus)
-    modulus = bed_n * brick.height
     shear = 1 / (
         1 / (bed_s * brick.height)
         + 1 / (bed_n * brick.length**2 / (4 * brick.height) + head_s * brick.length)
     )
+    return bed_n * brick.height, shear
+
+
+def beam_stiffness():
+    """Force over displacement of the end [N/m]: Timoshenko's beam up to the cap's middle, rigid
+    above the wall."""
+    wall = cantilever(1).wall
+    brick = wall.brick
+    modulus, shear = running_bond(brick, wall.joint)
     inertia, area = brick.thickness * WALL_LENGTH**3 / 12, brick.thickness * WALL_LENGTH
     beyond = float(cantilever(1).bodies.z[-1]) - WALL_HEIGHT
     # A force beyond the end: the end's displacement and rotation by force and moment, and the rigid

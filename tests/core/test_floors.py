@@ -20,6 +20,7 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
+from verification.elastic import running_bond
 from verification.limit_analysis import kinematic_matrix
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
@@ -129,18 +130,7 @@ def test_two_storeys_have_the_periods_of_a_shear_cantilever():
     of eleven courses."""
     length, storey, mass, depth = 12.0, 1.2, 40e3, 0.1
     brick, joint = Brick(length=0.2, height=0.1, thickness=0.1, density=20.0), Joint()
-    bed_n, bed_s = (
-        1 / (1 / k + brick.height / modulus)
-        for k, modulus in (
-            (joint.normal_stiffness, brick.young_modulus),
-            (joint.shear_stiffness, brick.shear_modulus),
-        )
-    )
-    head_s = 1 / (1 / joint.shear_stiffness + brick.length / brick.shear_modulus)
-    shear = 1 / (
-        1 / (bed_s * brick.height)
-        + 1 / (bed_n * brick.length**2 / (4 * brick.height) + head_s * brick.length)
-    )
+    _, shear = running_bond(brick, joint)
     spring = shear * length * brick.thickness / storey
     squares, vectors = eigh([[2 * spring, -spring], [-spring, spring]], mass * np.eye(2))
     floors = [Floor(level, mass, kind="concrete", depth=depth) for level in (storey, 2 * storey)]
