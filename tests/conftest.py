@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 from short_runs import RUNS
 from small_history import make_history
@@ -365,6 +366,18 @@ def total_energy(solver):
         + lifted
         + solver.energy[1:].sum()
         - solver.energy[INPUT]
+    )
+
+
+def rigid_turn(bodies, turn):
+    """Displacements (n_bodies, 3) of a rotation about the origin."""
+    cos, sin = np.cos(turn), np.sin(turn)
+    return np.column_stack(
+        [
+            cos * bodies.x - sin * bodies.z - bodies.x,
+            sin * bodies.x + cos * bodies.z - bodies.z,
+            np.full(len(bodies), turn),
+        ]
     )
 
 

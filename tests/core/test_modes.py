@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import refused_with
+from conftest import refused_with, rigid_turn
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, splu
@@ -108,10 +108,7 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
 
 def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):
     layout = lay_out(symmetric_wall)
-    x, z, turn = layout.bodies.x, layout.bodies.z, 0.3
-    cos, sin = np.cos(turn), np.sin(turn)
-    motion = np.column_stack([cos * x - sin * z - x, sin * x + cos * z - z, np.full(len(x), turn)])
-    opening, shear = ContactKinematics(layout).displacements(motion)
+    opening, shear = ContactKinematics(layout).displacements(rigid_turn(layout.bodies, 0.3))
     inner = layout.contacts.first >= 0
     assert_allclose(opening[inner], 0.0, atol=1e-12)
     assert_allclose(shear[inner], 0.0, atol=1e-12)

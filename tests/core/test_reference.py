@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import rigid_turn
 from numpy.testing import assert_allclose
 
 from damage.law.modes import natural_modes
@@ -47,18 +48,6 @@ def test_free_fall_is_exact_in_central_differences():
     expected = -9.81 / 2 * time * (time + solver.time_step)
     assert_allclose(solver.displacement[:, 1], expected, rtol=1e-10)
     assert_allclose(solver.displacement[:, [0, 2]], 0.0, atol=1e-15)
-
-
-def rigid_turn(bodies, turn):
-    """Displacements (n_bodies, 3) of a rotation about the origin."""
-    cos, sin = np.cos(turn), np.sin(turn)
-    return np.column_stack(
-        [
-            cos * bodies.x - sin * bodies.z - bodies.x,
-            sin * bodies.x + cos * bodies.z - bodies.z,
-            np.full(len(bodies), turn),
-        ]
-    )
 
 
 def test_forces_are_the_gradient_of_the_elastic_energy():

@@ -59,8 +59,6 @@ def settle(solver):
         "supports": now.support_displacement[0] - before.support_displacement[0],
         "reactions": now.support_force[0],
         "input_j": now.input_j - before.input_j,
-        "elastic_j": now.elastic_j - before.elastic_j,
-        "damping_j": np.nan if now.damping_j is None else now.damping_j - before.damping_j,
     }
 
 
