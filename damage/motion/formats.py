@@ -15,7 +15,7 @@ import numpy as np
 from damage.checks import check_choice, check_file, check_path
 from damage.csv_table import as_float, is_number
 from damage.errors import InputError, did_you_mean, warn
-from damage.files import DATA, is_there, text_lines, write_text
+from damage.files import DATA, is_there, text_lines
 from damage.motion.columns import UNITS_M_S2, bad_line, check_step, numbers, read_columns
 from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 
@@ -127,18 +127,6 @@ def _read_text(path, data, unit=None, sample_step_s=None):
             " header; leave it out"
         )
     return read_at2(path, lines, unit)
-
-
-def write_csv(record, path, comments=()):
-    """Write a record as CSV in m/s2 with seven digits, each comment on a line of its own.
-
-    Time has four decimals, so the time step must be a multiple of 0.1 ms.
-    """
-    rows = (
-        f"{t:.4f},{a:.6e}" for t, a in zip(record.time_s, record.acceleration_m_s2, strict=True)
-    )
-    lines = [*(f"# {comment}" for comment in comments), "time_s,acc_m_s2", *rows]
-    return write_text(path, "\n".join(lines) + "\n")
 
 
 def _read_csv(path, lines, unit, sample_step_s):
