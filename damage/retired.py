@@ -19,6 +19,11 @@ class Retired(NamedTuple):
 
 
 RETIRED = {
+    "fibres": Retired(
+        "--fibres went in 0.2; softening joints follow the joint law itself in both solvers: leave"
+        " it out",
+        default=0,
+    ),
     "perturb": Retired(
         "--perturb went in 0.2; members of an ensemble differ by --scatter, a share of the joints'"
         " strengths"

@@ -130,10 +130,10 @@ def cycle_rows(label, history):
 
 
 def yade(bench):
-    """Pushes at 10 mm/s by the rule in both solvers, with YADE's fibres and damping."""
+    """Pushes at 10 mm/s by the rule in both solvers, with YADE's damping."""
     print_table("wall", "solver", *HEADS[2:])
     for wall, held in HELD.items():
-        words = ["--pushover", 0.12, *held, *QUICK, "--fibres", 16]
+        words = ["--pushover", 0.12, *held, *QUICK]
         for solver, history in (
             ("reference", run(bench, wall, "rule", [*words, "--relaxation", "local"])),
             ("YADE", run(bench, wall, "rule", words, in_yade=True)),
@@ -152,8 +152,7 @@ SCATTERED = 5
 
 
 def yade_cycles(bench):
-    """What walls dissipate in each cycle in both solvers, by the rule, as 16 fibres: in all, and in
-    joints."""
+    """What walls dissipate in each cycle in both solvers, by the rule: in all, and in joints."""
     print_table(
         "wall",
         "solver",
@@ -166,16 +165,7 @@ def yade_cycles(bench):
         "of it fracture [J]",
     )
     for wall, (label, amplitudes, speed) in IN_BOTH.items():
-        words = [
-            "--cyclic",
-            amplitudes,
-            "--cycles",
-            1,
-            *HELD.get(wall, FIXED),
-            *speed,
-            "--fibres",
-            16,
-        ]
+        words = ["--cyclic", amplitudes, "--cycles", 1, *HELD.get(wall, FIXED), *speed]
         alike = [*words, "--relaxation", "local"]
         reference = by_cycle(run(bench, wall, "rule", alike))
         yade = by_cycle(run(bench, wall, "rule", words, in_yade=True))

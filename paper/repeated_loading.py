@@ -112,9 +112,9 @@ class Specimen:
 
 class Spandrel(Specimen):
     """supports_m, loads_m: distances between the two supports in the middle of its base, and
-    between the two places at its top that are held down; fibres: parallel elements of a bond."""
+    between the two places at its top that are held down."""
 
-    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed, fibres=0):
+    def __init__(self, masonry, courses, bricks, supports_m, loads_m, seed):
         brick, joint = parts_of(masonry)
         wall = Wall(
             "spandrel",
@@ -133,7 +133,6 @@ class Spandrel(Specimen):
                     cells=2,
                     strength_cov=COV,
                     strength_seed=seed,
-                    fibres=fibres,
                 ),
             )
         )
@@ -348,19 +347,17 @@ def walls():
         pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
 
 
-FIBRES, COMPARED = 16, 4
-"""Parallel elements of a bond, by which YADE softens, and repetitions of the smallest spandrel in
-both solvers."""
+COMPARED = 4
+"""Repetitions of the smallest spandrel in both solvers."""
 
 
-def compared(kind, fibres=FIBRES):
-    """Table of the smallest spandrel in its first step; kind: Spandrel or a subclass; fibres: as
-    there."""
-    return repeated(kind(*SPANDRELS["calcium silicate"], 1, fibres=fibres), STEPS_M[:1], COMPARED)
+def compared(kind):
+    """Table of the smallest spandrel in its first step; kind: Spandrel or a subclass."""
+    return repeated(kind(*SPANDRELS["calcium silicate"], 1), STEPS_M[:1], COMPARED)
 
 
 def solvers():
-    """The smallest spandrel in both solvers, by parallel elements, and by the smooth law."""
+    """The smallest spandrel in both solvers."""
     with TemporaryDirectory() as made:
         subprocess.run(
             [*COMMAND, Path(__file__).with_name("spandrel_in_yade.py"), Path(made) / "yade.csv"],
@@ -368,10 +365,9 @@ def solvers():
             env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
         )
         tables = [
-            compared(Spandrel, fibres).assign(solver="reference", fibres=fibres)
-            for fibres in (FIBRES, 64, 0)
+            compared(Spandrel).assign(solver="reference"),
+            pd.read_csv(Path(made) / "yade.csv").assign(solver="yade"),
         ]
-        tables.append(pd.read_csv(Path(made) / "yade.csv").assign(solver="yade", fibres=FIBRES))
     pd.concat(tables).to_csv(OUT / "repeated_solvers.csv", index=False, float_format="%.6g")
 
 

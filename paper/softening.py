@@ -1,8 +1,8 @@
-"""Tables of docs/validation: tested walls pushed over, step and damping, ensembles, crack patterns.
+"""Tables of docs/validation: step and damping, ensembles, crack patterns.
 
     python3 -m paper softening [--out DIR] [TABLE ...]
 
-TABLE: fibres, steps, damping, scatter, patterns; all of these by default, which run in the
+TABLE: steps, damping, scatter, patterns; all of these by default, which run in the
 reference solver, about half an hour on one core.  And yade_steps, yade_shaken: YADE beside the
 reference solver, half an hour on one core. Histories that are already in DIR are not run again.
 """
@@ -12,22 +12,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.applications.cracks.capacity import drift_at_first_crack
 from damage.applications.cracks.compare import compare_joints
 from damage.applications.cracks.patterns import compare_patterns
-from damage.applications.cracks.pushed import SPECIMENS, read_test
 from damage.law.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.parameters import brick_of_masonry, softening_energies
-from paper.bench import HELD, REPOSITORY, print_row, print_table, print_tables
+from paper.bench import REPOSITORY, print_row, print_table, print_tables
 
 SMALL_WALL = REPOSITORY / "walls" / "variants" / "small.py"
-PUSHED = "squat_tested", "comp2_4"
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""
-SLOW = ["--speed", 2e-3]
 MILD, HARD = (
     ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]),
     (
@@ -83,41 +79,6 @@ def peak_and_fall(history):
     peak = int(np.argmax(force))
     below = np.flatnonzero((np.arange(len(force)) > peak) & (force < 0.8 * force[peak]))
     return force, drift, peak, f"{100 * drift[below[0]]:.3f}" if len(below) else "-"
-
-
-def fibres(bench):
-    """Tested walls with tested cohesion and friction, pushed over, by fibres."""
-    print_table(
-        "wall",
-        "fibres",
-        "peak [kN]",
-        "at drift [%]",
-        "80 % of it left at [%]",
-        "at the end [kN]",
-        "first crack at [%]",
-        "energy error [%]",
-        "tests, peak [kN]",
-    )
-    for name in PUSHED:
-        for number in (0, 4, 8, 16):
-            history = run(
-                bench, name, "5/50", ["--pushover", 0.1, *HELD[name], *SLOW, "--fibres", number]
-            )
-            summary, crack = summarise(history), drift_at_first_crack(history)
-            force, *_, left = peak_and_fall(history)
-            print_row(
-                name,
-                number or "smooth law",
-                f"{summary['peak_force_n'] / 1e3:.1f}",
-                f"{100 * summary['drift_at_peak_force']:.3f}",
-                left,
-                f"{force[-1] / 1e3:.1f}",
-                f"{100 * crack:.4f}" if crack else "-",
-                f"{100 * summary['energy_error_fraction']:.4f}",
-                " / ".join(
-                    f"{force / 1e3:.1f}" for force in read_test(SPECIMENS[name]).peak_force_n
-                ),
-            )
 
 
 def numbers(history):
@@ -273,8 +234,8 @@ def _range(values):
 
 
 def yade_steps(bench):
-    """The step that 16 fibres need in YADE, beside the reference solver's with and without its
-    damping."""
+    """The step that softening joints need in YADE, beside the reference solver's with and without
+    its damping."""
     print_table(
         "wall and motion",
         "step over the critical",
@@ -285,7 +246,7 @@ def yade_steps(bench):
         "energy error [%]",
     )
     for amplitude in (0.2, 0.4):
-        words = ["--harmonic", 0.1, amplitude, "--rest", 0.1, "--fibres", 16]
+        words = ["--harmonic", 0.1, amplitude, "--rest", 0.1]
         for step in (0.643, 0.35, 0.175):
             runs = {
                 f"reference, β {beta:g} s": run(
@@ -312,7 +273,6 @@ def yade_shaken(bench):
         "FSS, over 0.1 mm",
     )
     name, words = MILD
-    words = [*words, "--fibres", 16]
     there = run(bench, name, "5/50", [*words, "--beta", 0])
     for solver, here in (
         ("reference", there),
@@ -320,7 +280,7 @@ def yade_shaken(bench):
     ):
         scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
         print_row(
-            "5/50, 16 fibres",
+            "5/50",
             solver,
             *numbers(here),
             "-" if kappa is None else f"{kappa:.2f}",
@@ -328,7 +288,7 @@ def yade_shaken(bench):
         )
 
 
-USUAL = {table.__name__: table for table in (fibres, steps, damping, scatter, patterns)}
+USUAL = {table.__name__: table for table in (steps, damping, scatter, patterns)}
 TABLES = USUAL | {table.__name__: table for table in (yade_steps, yade_shaken)}
 
 

@@ -29,7 +29,6 @@ REPLACED = (
     Term("whole, broken pair", "intact, failed interface", r"(whole|broken) pairs?"),
     Term("goes, is gone, spent", "fails, debonded", r"bonds? (is|are|was|were|has) (gone|spent)"),
     Term("lane", "SIMD lane (defined once), then batch member"),
-    Term("fibres", "parallel (overlay) elements"),
     Term("closure", "plastic closure (crushing displacement)"),
     Term("cap", "rigid top mass"),
     Term("doubts", "warnings", r"doubts?"),

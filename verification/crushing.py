@@ -45,22 +45,18 @@ SOFTENS, ENERGY = "softening in compression, without a bond", 1000.0
 """The form whose crushing has a fracture energy [J/m2]."""
 _BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
 FORMS = {
-    "brittle": (0, _BRITTLE),
-    DRY: (0, {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE}),
-    SOFTENS: (
-        0,
-        {
-            "tensile_strength": 0.0,
-            "cohesion": 0.0,
-            "compressive_fracture_energy": ENERGY,
-            **_BRITTLE,
-        },
-    ),
-    "softening": (0, {}),
-    "softening, 8 fibres": (8, {}),
-    "softening in tension and compression, 8 fibres": (8, {"compressive_fracture_energy": ENERGY}),
+    "brittle": _BRITTLE,
+    DRY: {"tensile_strength": 0.0, "cohesion": 0.0, **_BRITTLE},
+    SOFTENS: {
+        "tensile_strength": 0.0,
+        "cohesion": 0.0,
+        "compressive_fracture_energy": ENERGY,
+        **_BRITTLE,
+    },
+    "softening": {},
+    "softening in tension and compression": {"compressive_fracture_energy": ENERGY},
 }
-"""Name -> fibres, what is changed of JOINT beside its compressive strength."""
+"""Name -> what is changed of JOINT beside its compressive strength."""
 
 
 def block():
@@ -114,9 +110,8 @@ def column():
 
 
 def joint_of(form):
-    """(fibres, {parameter: value}) of a form's joint: what makes of JOINT one that crushes."""
-    fibres, changes = FORMS[form]
-    return fibres, {"compressive_strength": STRENGTH, **changes}
+    """{parameter: value} of a form's joint: what makes of JOINT one that crushes."""
+    return {"compressive_strength": STRENGTH, **FORMS[form]}
 
 
 def cycles(form, steps=400):
@@ -197,10 +192,9 @@ def driven(solver, form):
 
 def driven_along(solver, form, path):
     """The joint of a form Driven along a path."""
-    fibres, joint = joint_of(form)
     if solver == "reference":
-        return drive(path, fibres, **joint)
-    return drive_in_yade({"path": path}, fibres, **joint)["path"]
+        return drive(path, **joint_of(form))
+    return drive_in_yade({"path": path}, **joint_of(form))["path"]
 
 
 def problems():

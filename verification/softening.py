@@ -1,10 +1,10 @@
-"""One joint that softens, along ten paths: what it dissipates, its peaks, and the smooth law beside
-its fibres.
+"""One joint that softens, along ten paths: what it dissipates, its peaks, and YADE beside the
+reference solver.
 
 Two bricks; the upper one is moved, without turning, and what the joint between does on it is read.
 A joint pulled apart dissipates G_I, one that slides out G_II beside what friction takes, at any
 pressure; the peaks are f_t and c + p tan(phi).  Where opening and sliding mix, or loading reverses,
-no closed form holds: there the two forms are laid side by side (`compared`,
+no closed form holds: there the two solvers are laid side by side (`compared`,
 docs/validation/verification.md).
 """
 
@@ -13,8 +13,8 @@ import json
 import tempfile
 from dataclasses import replace
 from functools import cache
-from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from damage.wall.kinds import BED, GROUND
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Joint, Wall
-from verification.problem import Problem, run_yade
+from verification.problem import SOLVERS, Problem, run_yade
 
 JOINT = Joint(
     tensile_strength=0.21 / 0.24 * 0.21e6,
@@ -35,20 +35,17 @@ JOINT = Joint(
 )
 """COMP1_3's joints (walls/squat_tested.py) with fracture energies."""
 PRESSURES_MPA = (0.0, 0.1, 0.3, 1.0)
-FORMS = {"": 0, ", 8 fibres": 8, ", 16 fibres": 16}
-"""Name -> fibres."""
-NOT_IN_YADE = "its joints are fibres"
 FINE, COARSE = 1500, 6000
 """Steps to the first corner, the strength and a half, and from each to the next."""
 COARSE_IN_YADE = 1500
 """The same in YADE, for problems."""
 
 
-def pair(fibres=0, **changes):
+def pair(**changes):
     """The layout of two half bricks, one on the other; changes: of JOINT."""
     return lay_out(
         Wall("pair", 0.1125, 0.15, precompression=0.0, joint=replace(JOINT, **changes)),
-        ModelOptions(cells=1, fibres=fibres),
+        ModelOptions(cells=1),
     )
 
 
@@ -146,9 +143,9 @@ class Driven:
         )
 
 
-def drive(path, fibres=0, **changes):
+def drive(path, **changes):
     """The joint Driven along a path in the reference solver; changes: of JOINT."""
-    layout = pair(fibres, **changes)
+    layout = pair(**changes)
     area = joint_area(layout)
     wall = ReferenceWall(layout, 1e-5)
     forces = []
@@ -160,12 +157,12 @@ def drive(path, fibres=0, **changes):
     return Driven(path, np.array(forces) / area, np.array(energies) / area)
 
 
-def drive_in_yade(paths, fibres, **changes):
+def drive_in_yade(paths, **changes):
     """{name: Driven} of the joint along paths in YADE; changes: of JOINT."""
     with tempfile.TemporaryDirectory() as folder:
         given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
         np.savez(given, **paths)
-        run_yade("verification/yade_paths.py", given, found, fibres, json.dumps(changes))
+        run_yade("verification/yade_paths.py", given, found, json.dumps(changes))
         with np.load(found) as results:
             return {
                 name: Driven(path, results[name], results[f"{name}/energies"])
@@ -174,156 +171,109 @@ def drive_in_yade(paths, fibres, **changes):
 
 
 def problems():
-    """Fracture energies and peaks of both forms."""
+    """Fracture energies and peaks on the pure paths."""
     made = paths()
 
     @cache
-    def in_reference(name, fibres):
-        return drive(made[name], fibres)
+    def in_reference(name):
+        return drive(made[name])
 
     @cache
-    def all_in_yade(fibres):
+    def in_yade():
         pure = paths(coarse=COARSE_IN_YADE)
-        return drive_in_yade({name: pure[name] for name, *_ in cases}, fibres)
+        return drive_in_yade({name: pure[name] for name, *_ in cases})
 
-    solvers = {"reference": in_reference, "yade": lambda name, fibres: all_in_yade(fibres)[name]}
-
-    def both(measure, name, fibres):
-        measured = {
-            solver: lambda along=along: measure(along(name, fibres))
-            for solver, along in solvers.items()
+    def both(measure, name):
+        return {
+            "reference": lambda: measure(in_reference(name)),
+            "yade": lambda: measure(in_yade()[name]),
         }
-        return measured if fibres else measured | {"yade": NOT_IN_YADE}
 
-    cases = [
-        (
-            "tension",
-            0.0,
-            JOINT.mode_i_fracture_energy,
-            "G_I",
-            JOINT.tensile_strength,
-            "f_t",
-            "normal_stress",
-        )
-    ]
-    cases += [
-        (
-            f"shear at {pressure:g} MPa",
-            0.42e6 * pressure,
-            JOINT.mode_ii_fracture_energy,
-            "G_II",
-            JOINT.cohesion + 0.42e6 * pressure,
-            "c + p tan(phi)",
-            "shear_stress",
-        )
-        for pressure in PRESSURES_MPA
-    ]
+    tension = JOINT.mode_i_fracture_energy, "G_I", JOINT.tensile_strength, "f_t", "normal_stress"
+    cases = [("tension", 0.0, *tension)]
+    for pressure in PRESSURES_MPA:
+        friction = 0.42e6 * pressure
+        strength = JOINT.cohesion + friction, "c + p tan(phi)", "shear_stress"
+        energy = JOINT.mode_ii_fracture_energy, "G_II"
+        cases.append((f"shear at {pressure:g} MPa", friction, *energy, *strength))
     found = []
-    for (form, fibres), (
-        name,
-        friction,
-        energy,
-        energy_name,
-        strength,
-        strength_name,
-        which,
-    ) in product(FORMS.items(), cases):
+    for name, friction, energy, energy_name, strength, strength_name, which in cases:
         found.append(
             Problem(
-                f"softening, {name}{form}",
+                f"softening, {name}",
                 "energy dissipated beside friction",
                 "J/m²",
                 energy,
                 energy_name,
-                dict.fromkeys(solvers, 1e-2),
+                dict.fromkeys(SOLVERS, 1e-2),
                 both(
                     lambda driven, friction=friction: driven.dissipated - friction * driven.slid,
                     name,
-                    fibres,
                 ),
             )
         )
         found.append(
             Problem(
-                f"softening, {name}{form}",
+                f"softening, {name}",
                 "peak stress",
                 "Pa",
                 strength,
                 strength_name,
-                dict.fromkeys(solvers, 5e-3),
-                both(lambda driven, which=which: np.max(getattr(driven, which)), name, fibres),
+                dict.fromkeys(SOLVERS, 5e-3),
+                both(lambda driven, which=which: np.max(getattr(driven, which)), name),
             )
         )
     return found
 
 
+class Compared(NamedTuple):
+    """YADE beside the reference solver along a path: dissipated in both [J/m2], the root mean
+    square of the stresses' difference over the largest stress [%], and how much the peak is higher
+    in YADE [%]."""
+
+    path: str
+    reference: float
+    yade: float
+    stresses: float
+    peak: float
+
+
 def compared(fine=FINE, coarse=COARSE):
-    """Both forms along every path: rows of (path, dissipated by the smooth law [J/m2], and for 8
-    and 16 fibres what they dissipate more [%], and the root mean square of the stresses' difference
-    over the largest stress [%])."""
+    """A Compared of every path, a list."""
+    made = paths(fine, coarse)
     rows = []
-    for name, path in paths(fine, coarse).items():
-        smooth, *others = (drive(path, fibres) for fibres in FORMS.values())
-        rows.append([name, smooth.dissipated])
-        for other in others:
-            rows[-1] += _beside(other, smooth)
+    for name, here in drive_in_yade(made).items():
+        there = drive(made[name])
+        gaps = np.hypot(
+            here.normal_stress - there.normal_stress, here.shear_stress - there.shear_stress
+        )
+        largest = np.max(np.hypot(np.maximum(there.normal_stress, 0), there.shear_stress))
+        peak, expected = (
+            max(np.max(driven.normal_stress), np.max(np.abs(driven.shear_stress)))
+            for driven in (here, there)
+        )
+        rows.append(
+            Compared(
+                name,
+                there.dissipated,
+                here.dissipated,
+                100 * np.sqrt(np.mean(gaps**2)) / largest,
+                100 * (peak / expected - 1),
+            )
+        )
     return rows
 
 
-def compared_in_yade(fine=FINE, coarse=COARSE):
-    """YADE's fibres along every path beside the reference's: rows of (path, and for 8 and 16 fibres
-    dissipated in YADE [J/m2], how much more that is [%], the stresses' difference as in `compared`
-    [%], and the peak's [%])."""
-    made = paths(fine, coarse)
-    rows = {name: [name] for name in made}
-    for fibres in filter(None, FORMS.values()):
-        for name, here in drive_in_yade(made, fibres).items():
-            there = drive(made[name], fibres)
-            peaks = [
-                max(np.max(of.normal_stress), np.max(np.abs(of.shear_stress)))
-                for of in (here, there)
-            ]
-            rows[name] += [here.dissipated, *_beside(here, there), 100 * (peaks[0] / peaks[1] - 1)]
-    return list(rows.values())
-
-
-def _beside(other, one):
-    """What one Driven dissipates more than another along the same path [%], and the root mean
-    square of the stresses' difference over the largest stress [%]."""
-    gaps = np.hypot(other.normal_stress - one.normal_stress, other.shear_stress - one.shear_stress)
-    largest = np.max(np.hypot(np.maximum(one.normal_stress, 0), one.shear_stress))
-    return 100 * (other.dissipated / one.dissipated - 1), 100 * np.sqrt(np.mean(gaps**2)) / largest
-
-
 def main():
-    """Print `compared`, or with --yade `compared_in_yade`, as a table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--yade", action="store_true", help="YADE's fibres beside the reference solver's"
-    )
-    if parser.parse_args().yade:
-        print(
-            "| path | 8 fibres: dissipated [J/m²] | more [%] | stresses [%] | peak [%] "
-            "| 16 fibres: dissipated [J/m²] | more [%] | stresses [%] | peak [%] |\n"
-            + "| --- " * 9
-            + "|"
-        )
-        for name, *numbers in compared_in_yade():
-            cells = [
-                f"{number:{form}}"
-                for number, form in zip(numbers, 2 * (".2f", "+.2f", ".2f", "+.2f"))
-            ]
-            print("| " + " | ".join([name, *cells]) + " |")
-        return
-    print(
-        "| path | dissipated, smooth law [J/m²] | 8 fibres [%] | 16 fibres [%] | stresses, 8 fibres"
-        " [%] | 16 fibres [%] |"
-    )
+    """Print `compared` as a table."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
+    print("| path | reference [J/m²] | YADE [J/m²] | more [%] | stresses [%] | peak [%] |")
     print("| --- " * 6 + "|")
-    for name, dissipated, more_8, gap_8, more_16, gap_16 in compared():
+    for row in compared():
+        more = 100 * (row.yade / row.reference - 1)
         print(
-            f"| {name} | {dissipated:.2f} | {more_8:+.1f} | {more_16:+.1f} | {gap_8:.1f} |"
-            f" {gap_16:.1f} |"
+            f"| {row.path} | {row.reference:.2f} | {row.yade:.2f} | {more:+.3f} |"
+            f" {row.stresses:.3f} | {row.peak:+.3f} |"
         )
 
 

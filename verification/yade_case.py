@@ -56,7 +56,7 @@ class Case:
     def step(self):
         """What the engine does in every step: broken bonds become dry joints, joints crush, then
         what `run` was given."""
-        for joint in self.scene.newly_broken():
+        for joint in self.scene.beyond_strength()[0]:
             self.model.loosen(joint)
         self.crushing.step(anew=True)
         if self.each:

@@ -1,6 +1,6 @@
 """Inside YADE: the joint between two bricks (`verification.softening`), driven along paths.
 
-    ./yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz FIBRES CHANGES
+    ./yade -n -j1 verification/yade_paths.py PATHS.npz RESULTS.npz CHANGES
 
 PATHS holds one array (n, 2) a path, opening and shear displacement [m]; RESULTS gets (n, 2) under
 the same names, normal and shear stress on the joint [Pa], and as NAME/energies friction, fracture
@@ -23,9 +23,9 @@ from yade_scripts.solver import YadeSolver
 STEP = 1e-6  # [s]; nothing is free to move, so any step will do
 
 
-def drive(path, fibres, changes):
+def drive(path, changes):
     """Stresses (n, 2) along a path, and the energies at its end."""
-    layout = pair(fibres, **changes)
+    layout = pair(**changes)
     solver, area = YadeSolver(layout, STEP), joint_area(layout)
     states, scene = solver.scene.states, solver.scene
     for state in states:
@@ -50,13 +50,11 @@ def drive(path, fibres, changes):
 
 
 def main():
-    paths, out, fibres, changes = sys.argv[1:]
+    paths, out, changes = sys.argv[1:]
     found = {}
     with np.load(paths) as given:
         for name in given:
-            found[name], found[f"{name}/energies"] = drive(
-                given[name], int(fibres), json.loads(changes)
-            )
+            found[name], found[f"{name}/energies"] = drive(given[name], json.loads(changes))
     np.savez(out, **found)
 
 

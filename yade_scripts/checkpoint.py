@@ -24,7 +24,6 @@ _PARTS = {
         "at_limit",
         "crushed",
         "ended",
-        "dry",
         "_open",
         "_stress",
         "_plastic",
@@ -33,17 +32,15 @@ _PARTS = {
         "fracture_energy",
     ),
     "crushing": ("_strength", "_limit", "_near"),
-    "splitting": ("cohesion", "slid", "states", "_near"),
+    "bonds.tables": ("laws", "slid", "states"),
     "scene": (
         "normal_stiffness",
-        "share",
-        "dry_share",
         "follows",
         "holding",
         "_breaks_seen",
+        "_passed",
         "on_top",
     ),
-    "scene.bundles": ("_weakest",),
     "model": ("signs", "bonded", "closure"),
     "model.work": ("_rest",),
     "": (
@@ -82,11 +79,6 @@ def tables_of(solver):
         ),
         "corners": np.array(sorted(model.corners), int),
         "tips": _pairs(model._tip_of.items()),
-        "frayed": (
-            np.array(
-                [(joint, dry.id1, dry.id2) for joint, dry in model.frayed.items()], int
-            ).reshape(-1, 3)
-        ),
         "bonds": _pairs((bond.id1, bond.id2) for bond in model.bonds),
         "removed": _removed(solver),
         "gone": np.array(sorted(model.gone), int),
@@ -116,6 +108,7 @@ def restore(solver, tables):
             passed[:] = tables[f"passed_{kind}"]
         _put_forces(tables["loads"], tables["forces"])
         _bind(solver, tables)
+        solver.bonds.gather()
         solver._events = [
             (int(step), int(joint), _KINDS[int(kind)], *values)
             for step, joint, kind, *values in tables["events"].tolist()
@@ -197,8 +190,18 @@ def _put_forces(loads, forces):
     """Evaluate the contacts at the present positions, for their geometry alone, and set all
     forces."""
     loop = next(engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
-    dt, O.dt = O.dt, 0.0
+    dt, O.dt, law = O.dt, 0.0, loop.lawDispatcher.functors[0]
+    # Bonds at their limits would pass them by rounding.
+    held = [
+        (i.phys, i.phys.FnMax, i.phys.FsMax)
+        for i in O.interactions
+        if getattr(i.phys, "isCohesive", False)
+    ]
+    passed = law.nbTensCracks, law.nbShearCracks
     loop()
+    law.nbTensCracks, law.nbShearCracks = passed
+    for phys, phys.FnMax, phys.FsMax in held:
+        phys.isCohesive = True
     O.dt = dt
     O.forces.f(0, True)  # without this the next does not reset
     O.forces.reset()
@@ -262,16 +265,11 @@ def _bind(solver, tables):
     model.corners.clear()
     model.corners.update(tables["corners"].tolist())
     model._tip_of = dict(tables["tips"].tolist())
-    model.frayed.clear()
-    model.frayed.update(
-        {joint: O.interactions[first, second] for joint, first, second in tables["frayed"].tolist()}
-    )
     model.turning[:] = [
         O.bodies[model.faces[body, "box"]].state for body in range(len(model.clumps))
     ]
     scene.states[:] = [O.bodies[clump].state for clump in model.clumps]
     contacts = dict(enumerate(zip(scene.geometries, scene.physics)))
-    contacts |= {joint: (dry.geom, dry.phys) for joint, dry in model.frayed.items()}
     work.watch_again(
         contacts,
         tables["watched"].tolist(),

@@ -70,12 +70,10 @@ def signed(shear):
 
 class JointTracker:
     """State of all joints, arrays (n_joints,): friction of a failed one [-]; opening, slip, offset
-    [m]; broken (failed), at_limit, crushed, ended; dry: failed share of the area [-].  With
-    parallel elements opening, slip and offset are means by shares; broken and at_limit are those of
-    the last element.
+    [m]; broken (failed), at_limit, crushed, ended.
 
-    friction_energy, fracture_energy: dissipated so far [J]; breaking_energy: part of the former by
-    the failure of parallel elements [J].
+    friction_energy, fracture_energy: dissipated so far [J]; breaking_energy: part of the former in
+    bonds that soften [J].
     """
 
     def __init__(self, layout, threshold, new_contacts=False):
@@ -88,7 +86,6 @@ class JointTracker:
         shear = complex if layout.space else float
         self.opening, (self.slip, self.offset) = np.zeros(n), np.zeros((2, n), shear)
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
-        self.dry = np.zeros(n)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._slide = np.array(
             slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies)
@@ -106,19 +103,11 @@ class JointTracker:
         self._open, (self._stress, self._plastic) = np.zeros(n, bool), np.zeros((2, n), shear)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
-    def breaks(self, joint, kind, sigma, tau, share=1.0, last=True):
-        """Record the failure of a bond, or of a share of it, in "tension" or "shear" at stresses
-        sigma, tau [Pa].
-
-        Tension is positive.  last: whether no intact share remains.
-        """
-        kn, ks, area = (
-            self.normal_stiffness[joint],
-            self.shear_stiffness[joint],
-            self.area[joint] * share,
-        )
-        self.broken[joint] |= last
-        self.dry[joint] += share
+    def breaks(self, joint, kind, sigma, tau):
+        """Record the failure of a bond in "tension" or "shear" at stresses sigma, tau [Pa], tension
+        positive."""
+        kn, ks = self.normal_stiffness[joint], self.shear_stiffness[joint]
+        area, self.broken[joint] = self.area[joint], True
         self._open[joint] = kind == "tension" or sigma > 0
         if self._open[joint]:
             self.fracture_energy += 0.5 * (sigma**2 / kn + abs(tau) ** 2 / ks) * area
@@ -126,33 +115,7 @@ class JointTracker:
             residual = -sigma * self.friction[joint]
             self.fracture_energy += 0.5 * (abs(tau) - residual) ** 2 / ks * area
             self._stress[joint] = residual
-        self.at_limit[joint] |= kind == "shear" and last
-
-    def fibre_breaks(self, joint, kind, sigma, tau, share, last):
-        """Record the failure of a parallel element, as `breaks`; the dry part of the joint was
-        sampled at this time.
-
-        The element slides at once until its stress is at the friction limit; then it and the dry
-        part take their mean.
-        """
-        ks, area, dry, stress = (
-            self.shear_stiffness[joint],
-            self.area[joint],
-            self.dry[joint],
-            self._stress[joint],
-        )
-        self.breaks(joint, kind, sigma, tau, share, last)
-        rubs = 0.0 if self._open[joint] else min(abs(tau), self._stress[joint])
-        if not self._open[joint]:
-            slid = (abs(tau) - rubs) / ks
-            self.slip[joint] += share * np.copysign(slid, tau)
-            self._take(rubs * slid * share * area)
-        rubs = np.copysign(rubs, tau)
-        mean = (dry * stress + share * rubs) / (dry + share)
-        lost = dry * stress**2 + share * rubs**2 - (dry + share) * mean**2
-        self._take(lost / (2 * ks) * area)
-        self._stress[joint], self._plastic[joint] = mean, (tau - mean) / ks
-        self.offset[joint] = self.dry[joint] * self._plastic[joint]
+        self.at_limit[joint] |= kind == "shear"
 
     def softens(self, joint, fracture, friction, opening, slip, slid):
         """Record the energies [J] of a bond that softens in a step, and where it is [m]."""
@@ -186,8 +149,8 @@ class JointTracker:
 
     @property
     def followed(self):
-        """Indices of the joints to sample: failed at least in part, and not ended."""
-        return np.flatnonzero((self.dry > 0) & ~self.ended)
+        """Indices of the joints to sample: failed, and not ended."""
+        return np.flatnonzero(self.broken & ~self.ended)
 
     def sample(self, joints, opening, shear, tau, gap=None):
         """Update failed joints from a sample.
@@ -197,7 +160,7 @@ class JointTracker:
         Returns [(joint, "opened" | "slipped"),
         ...] where opening or slip exceeds the threshold for the first time.
         """
-        is_open, area = opening > 0, self.area[joints] * self.dry[joints]
+        is_open, area = opening > 0, self.area[joints]
         plastic = shear - tau / self.shear_stiffness[joints]
         stays_closed = ~is_open & ~self._open[joints]
         increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
@@ -213,10 +176,10 @@ class JointTracker:
         limit = -opening * self.normal_stiffness[joints] * self.friction[joints]
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
         self.at_limit[joints] |= (slides | (np.abs(increment) > _SLIDES)) & self.broken[joints]
-        self.slip[joints] += self.dry[joints] * increment
+        self.slip[joints] += increment
         seen = opening if gap is None else np.maximum(gap, 0.0)
-        self.opening[joints] = np.where(is_open, self.dry[joints] * seen, 0.0)
-        self.offset[joints] = self.dry[joints] * plastic
+        self.opening[joints] = np.where(is_open, seen, 0.0)
+        self.offset[joints] = plastic
         self._open[joints], self._plastic[joints] = is_open, plastic
         self._stress[joints] = np.where(is_open, 0.0, tau)
         least, most = self._slide[:, joints]

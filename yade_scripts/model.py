@@ -12,7 +12,7 @@ from inside one brick, and the box of the other, with YADE's law of friction
 (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on both bricks in the same point.  The
 normal is that of the face.  It rotates with its brick, and does not change as the joint slides; the
 tip moves round a corner where it leaves the face.  The face belongs to either brick alternately
-along a joint.  A softening bond has intact and failed parallel elements (`bundles`).  Crushing
+along a joint.  A bond that softens follows the joint law (`bonds`).  Crushing
 moves the rest position of a bond, or reduces the radius of a tip (`crushing`).
 """
 
@@ -25,7 +25,6 @@ from yade import O, Vector3, utils
 
 from damage.law.joint_law import friction_left, material_of
 from damage.units import GRAVITY
-from damage.wall.kinds import CUT
 from yade_scripts.bodies import (
     CORNER,
     FACE,
@@ -59,7 +58,7 @@ class YadeWall:
     bonds: YADE interactions (n_contacts,); geometries, physics: their geom and phys, which outlast
     them; signs: +1 where YADE's second body is the layout's second (n_contacts,); ground: [ids of
     the bodies] of each support, whose motion is prescribed; bonded: whether the interaction is
-    still the bond (n_contacts,); frayed: {joint: dry contact beside a partly failed bond}; closure:
+    still the bond (n_contacts,); closure:
     plastic closure of contact points (n_joints,) [m]; turning: states with the rotations of the
     bodies; tips: {contact point: Tip} of those that may fail; faces: {(body, kind): id} of the
     boxes; work: FrictionWork; handed: +1 where a positive shear follows the tangent, the normal
@@ -73,7 +72,7 @@ class YadeWall:
         self.signs = np.array(
             [1.0 if bond.id2 == second else -1.0 for bond, (_, second) in zip(bonds, parts.ends)]
         )
-        self.bonded, self.frayed = np.ones(len(bonds), dtype=bool), {}
+        self.bonded = np.ones(len(bonds), dtype=bool)
         self.tips, self.faces = parts.tips, parts.faces
         # of a house: ids of the tips that are not in use yet, and of the corners
         self._waiting, self._corners_waiting = parts.waiting, parts.corners
@@ -150,16 +149,6 @@ class YadeWall:
             if self.bonded[inner]:
                 self.physics[inner].FnMax = LEAST_STRENGTH
 
-    def fray(self, joint):
-        """Add a dry contact without stiffness beside a bond, for its failed parallel elements."""
-        self.frayed[joint] = self._touch(joint, 0.0, 0.0)
-
-    def part(self, joint):
-        """Replace a bond by its dry contact after its last parallel element has failed."""
-        bond = self.bonds[joint]
-        O.interactions.erase(bond.id1, bond.id2)
-        self._put(joint, self.frayed.pop(joint))
-
     def _put(self, joint, contact):
         """Have a dry contact stand in place of a bond, or of a dry contact."""
         self.bonds[joint], self.geometries[joint], self.physics[joint] = (
@@ -175,9 +164,7 @@ class YadeWall:
         _ease(self.bonds[joint], more)
         if self.bonded[joint]:
             self.bonds[joint].phys.initD += more
-            if joint not in self.frayed:
-                return
-            _ease(self.frayed[joint], more)
+            return
         shape = O.bodies[self._tip_of[joint]].shape
         if shape.radius - more > _DEEP * self._depth[joint]:
             shape.radius -= more
@@ -202,21 +189,9 @@ class YadeWall:
         phys.normalForce = phys.shearForce = Vector3.Zero
         self.bonded[joint] = False
 
-    def contacts_of(self, joint):
-        """Interactions of a joint: the bond, or the dry contact that replaced it; of one that
-        failed in part both."""
-        dry = self.frayed.get(joint)
-        return [self.bonds[joint]] if dry is None else [self.bonds[joint], dry]
-
-    def force_on(self, joint, geom, normal, shear):
-        """Force vector of an interaction on its second member in YADE's order; normal (tension
-        positive), shear [N]."""
-        n, along = geom.normal, -float(self.handed[joint] * shear)
-        return -float(normal) * n + along * Vector3(n[2], 0, -n[0])
-
     def _exchange(self, joint):
         """Replace a tip that crushing has made too small by one farther inside its brick."""
-        old = self.contacts_of(joint)[-1]
+        old = self.bonds[joint]
         stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
         self.work.forget(joint)
         worn = self._tip_of[joint]
@@ -228,10 +203,7 @@ class YadeWall:
         self.members[self.tips[joint].body].remove(worn)
         O.bodies.erase(worn)  # else it would touch the face again
         contact = self._touch(joint, *stiffness)
-        if joint in self.frayed:
-            self.frayed[joint] = contact
-        else:
-            self._put(joint, contact)
+        self._put(joint, contact)
         point = self._tip_of[joint]
         O.forces.addF(point, force)
         O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
@@ -425,6 +397,6 @@ def _set_bond(phys, layout, index, friction):
         UNBREAKABLE, max(LEAST_STRENGTH, float(contacts.tensile_strength[index]) * area)
     )
     phys.FsMax = min(UNBREAKABLE, float(contacts.cohesion[index]) * area)
-    if contacts.kind[index] == CUT or index >= layout.n_joints:
-        phys.FnMax = phys.FsMax = UNBREAKABLE  # they fail by `splitting` and `ties`, or not at all
+    if index >= layout.n_joints:
+        phys.FnMax = phys.FsMax = UNBREAKABLE  # they fail by `ties`, or not at all
     phys.tanFrictionAngle = friction

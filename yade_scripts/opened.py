@@ -90,9 +90,9 @@ class Scene:
 
     def interactions(self, joint):
         """YADE's interactions of a contact point now: the bond, or the dry contact that replaced
-        it; of one that has failed in part both."""
+        it."""
         self._check_joint(joint)
-        return self.solver.model.contacts_of(joint)
+        return [self.solver.model.bonds[joint]]
 
     def force(self, joint):
         """Normal force of a contact point, tension positive, and shear force, signed as its slip,

@@ -11,9 +11,6 @@ from pathlib import Path
 from damage.errors import InputError
 from damage.start import EXIT_MISSING, missing_library, reported
 
-FIBRES = 16
-"""Default number of parallel elements of a softening joint (docs/model/model.md)."""
-
 
 def main(make_wall, engines=()):
     """Run the wall that `make_wall()` returns with this command line's options, then leave YADE.
@@ -83,7 +80,6 @@ def _backend(engines):
     from yade import O
 
     from damage.run.session import Backend
-    from damage.run.settings import Softening
     from yade_scripts.opened import Scene, name_of, prompt
     from yade_scripts.solver import YadeSolver
     from yade_scripts.view import open_view
@@ -112,7 +108,7 @@ def _backend(engines):
         Path(__file__).parent,
         _check,
         open_view,
-        Softening(fibres=FIBRES, beta_s=0.0),
+        softening_beta_s=0.0,
         keeps_state=False,
         begins=begins,
     )

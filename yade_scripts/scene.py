@@ -8,7 +8,7 @@ from yade import O, Vector3
 
 from damage.elementary import atan
 from damage.units import GRAVITY
-from yade_scripts.bundles import Bundles
+from yade_scripts.bonds import bonds_by_law
 
 
 class SceneReader:
@@ -21,13 +21,10 @@ class SceneReader:
         self.members = model.members
         self.states = [O.bodies[clump].state for clump in model.clumps]
         self.geometries, self.physics = model.geometries, model.physics
-        # Shares of the areas of the contact points [-] of the bonds, and of the interactions that
-        # slide.
-        self.share, self.dry_share = np.ones(len(contacts)), np.ones(len(contacts))
-        self.bundles = Bundles(model) if model.layout.fibres else None
         self.area = contacts.area
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not failed
-        self._breaks_seen = 0
+        self._breaks_seen, self._passed = 0, []
+        self.by_law = bonds_by_law(model.layout)
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
@@ -44,34 +41,28 @@ class SceneReader:
         """Displacement of these bodies along a spreader beam (m,) [m]."""
         return self.motion(bodies)[bodies, 0]
 
-    def newly_broken(self):
-        """Joints whose bond failed since the last call, (m,) int, or () without any."""
+    def beyond_strength(self):
+        """Bonds that YADE's law has flagged in this step as beyond their strengths: two lists of
+        joints, those that failed, and those that follow the joint law."""
         breaks = self.model.law.nbTensCracks + self.model.law.nbShearCracks
         if breaks == self._breaks_seen:
-            return ()
-        self._breaks_seen = breaks
-        broken = [joint for joint in self.holding if not self.physics[joint].isCohesive]
-        failed = set(broken)
-        self.holding = [joint for joint in self.holding if joint not in failed]
-        return np.array(broken, dtype=int)
+            return [], []
+        expected, self._breaks_seen = breaks - self._breaks_seen, breaks
+        # mostly those of the step before, which go on softening
+        flagged = [joint for joint in self._passed if not self.physics[joint].isCohesive]
+        if len(flagged) < expected:
+            flagged = [joint for joint in self.holding if not self.physics[joint].isCohesive]
+        failed = [joint for joint in flagged if not self.by_law[joint]]
+        self._passed = [joint for joint in flagged if self.by_law[joint]]
+        if failed:
+            gone = set(failed)
+            self.holding = [joint for joint in self.holding if joint not in gone]
+        return failed, list(self._passed)
 
-    def give_way(self, joint, sigma, tau):
-        """`Bundles.give_way` of a bond that failed in YADE's law."""
-        broken = self.bundles.give_way(joint, sigma, tau)
-        if broken[-1].last:
-            self.share[joint] = self.dry_share[joint] = 1.0
-        else:
-            self.share[joint] = self.bundles.held(joint)
-            self.dry_share[joint] = 1.0 - self.share[joint]
-            self.holding.append(joint)
-        return broken
-
-    def _sliding(self, joint):
-        """(phys, geom) of the interaction that slides at a contact point."""
-        dry = self.model.frayed.get(joint)
-        return (
-            (self.physics[joint], self.geometries[joint]) if dry is None else (dry.phys, dry.geom)
-        )
+    def let_go(self, joint):
+        """Note that a bond that follows the joint law has failed."""
+        self.holding.remove(joint)
+        self._passed.remove(joint)
 
     def motion(self, select=None):
         """Displacements and rotations (x towards z) since the wall was built, (n_bodies, 3) [m, m,
@@ -131,10 +122,7 @@ class SceneReader:
 
     def contact_forces(self):
         """Magnitudes of the forces in all contacts, (n_contacts,) [N]."""
-        forces = np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
-        for joint, dry in self.model.frayed.items():
-            forces[joint] += (dry.phys.normalForce + dry.phys.shearForce).norm()
-        return forces
+        return np.array([(bond.normalForce + bond.shearForce).norm() for bond in self.physics])
 
     def _resultant(self, members, x_centre, z_centre):
         """Force along x and z [N] and moment from x towards z [N m] of the contacts on a clump."""
@@ -153,9 +141,7 @@ class SceneReader:
         return along, upward, moment
 
     def opening_of(self, index):
-        """Normal opening of a contact point [m], of its dry part where there is one."""
-        if index in self.model.frayed:
-            return -self.model.frayed[index].geom.penetrationDepth
+        """Normal opening of a contact point [m]."""
         rest = self.physics[index].initD if self.model.bonded[index] else 0.0
         return rest - self.geometries[index].penetrationDepth
 
@@ -164,8 +150,7 @@ class SceneReader:
         return np.array([self.opening_of(index) for index in select])
 
     def shear_stresses(self, select):
-        """Shear stresses of the contact points `select` (indices), of their dry parts where there
-        are any, (m,) [Pa].
+        """Shear stresses of the contact points `select` (indices), (m,) [Pa].
 
         Signs are those of the shear displacement of the second body.
         """
@@ -174,12 +159,12 @@ class SceneReader:
         along = np.array(
             [
                 p.shearForce[0] * n[2] - p.shearForce[2] * n[0]
-                for p, n in ((p, g.normal) for p, g in map(self._sliding, select))
+                for p, n in ((self.physics[k], self.geometries[k].normal) for k in select)
             ]
         )
         # The signs of normal and tangent change together, so that YADE's order of the bodies does
         # not matter.
-        return -along * self.model.handed[select] / (self.area[select] * self.dry_share[select])
+        return -along * self.model.handed[select] / self.area[select]
 
     def joint_stresses(self, n_joints):
         """Normal stress, tension positive, and shear stress of the first contact points on their
@@ -193,15 +178,11 @@ class SceneReader:
         """Normal force of a contact point, tension positive, and shear force, signed as in
         `shear_stresses`, both along the present joint [N]."""
         normal = shear = 0.0
-        for contact in self.model.contacts_of(joint):
-            if contact.isReal:  # not of one that has ended
-                n, on, along = (
-                    contact.geom.normal,
-                    contact.phys.normalForce,
-                    contact.phys.shearForce,
-                )
-                normal -= on.dot(n)
-                shear -= (along[0] * n[2] - along[2] * n[0]) * self.model.handed[joint]
+        contact = self.model.bonds[joint]
+        if contact.isReal:  # not of one that has ended
+            n, along = contact.geom.normal, contact.phys.shearForce
+            normal -= contact.phys.normalForce.dot(n)
+            shear -= (along[0] * n[2] - along[2] * n[0]) * self.model.handed[joint]
         return float(normal), float(shear)
 
     def elastic_energy(self, broken):
@@ -223,14 +204,9 @@ class SceneReader:
             p.normalForce.squaredNorm() / p.kn + p.shearForce.squaredNorm() / p.ks
             for p in (contact.phys for contact in self.model.collisions())
         )
-        rubbing = sum(
-            dry.phys.kn * max(dry.geom.penetrationDepth, 0.0) ** 2
-            + dry.phys.shearForce.squaredNorm() / dry.phys.ks
-            for dry in self.model.frayed.values()
-        )
-        return 0.5 * (colliding + rubbing) + 0.5 * float(
-            np.sum(np.where(acting, self.normal_stiffness * self.share * opening**2, 0.0))
-            + np.sum(shear**2 / (self.shear_stiffness * self.share))
+        return 0.5 * colliding + 0.5 * float(
+            np.sum(np.where(acting, self.normal_stiffness * opening**2, 0.0))
+            + np.sum(shear**2 / self.shear_stiffness)
         )
 
     def support_forces(self, displacement):

@@ -21,12 +21,12 @@ from damage.wall.kinds import CAP_COURSE
 from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
 from damage.wall.restraints import top_of
 from yade_scripts import checkpoint
+from yade_scripts.bonds import Bonds
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker, signed
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader
 from yade_scripts.space import SpaceReader
-from yade_scripts.splitting import Splitting
 from yade_scripts.ties import Ties
 
 FOLLOW_STEPS = JOINT_STEPS // 2
@@ -65,7 +65,8 @@ class YadeSolver(Solver):
             JointTracker(layout, THRESHOLD, new_contacts),
             Crushing(self.scene),
         )
-        self.splitting, self.ties = Splitting(self.scene, self.tracker), Ties(self.scene)
+        self.bonds = Bonds(self.scene, self.tracker)
+        self.ties = Ties(self.scene)
         self._base, self._gravity = NO_MOTION, np.zeros(1)
         # bodies whose horizontal velocity is prescribed [m/s]
         self._held, self._velocity = None, 0.0
@@ -267,10 +268,11 @@ class YadeSolver(Solver):
         self._load_top()
         try:
             self.model.work.step(anew=self.clock % FOLLOW_STEPS == 0)
-            self._log_breaks(self.scene.newly_broken())
+            failed, passed = self.scene.beyond_strength()
+            self._log_breaks(np.array(failed, int))
             for joint, _, work in self.crushing.step(self.clock % FOLLOW_STEPS == 0):
                 self.tracker.crushes(joint, work)
-            self._split_bricks()
+            self._soften(passed)
             self.tracker.fracture_energy += self.ties.step()
             if self._armed and self.clock % TIDY_STEPS == 0:
                 self.model.tidy()
@@ -316,9 +318,6 @@ class YadeSolver(Solver):
                 tracker.normal_stiffness[joint] * opening,
                 tracker.shear_stiffness[joint] * slip,
             )
-            if self.scene.bundles:
-                self._fray(joint, opening, slip, sigma, tau)
-                continue
             kind = "tension" if sigma > strength else "shear"
             tracker.friction[joint] = self.model.friction_of(joint)
             tracker.breaks(joint, kind, sigma, tau)
@@ -334,33 +333,18 @@ class YadeSolver(Solver):
         motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
         return self.kinematics.displacements(motion, joints, self._supports)
 
-    def _split_bricks(self):
-        """Apply the joint law to the cuts through bricks, and log those that failed."""
-        for joint, event, state in self.splitting.step(self.clock % FOLLOW_STEPS == 0):
-            kind, sigma, tau = _KINDS[event], state.normal_stress, state.shear_stress
+    def _soften(self, passed):
+        """Apply the joint law to bonds that passed their strengths, and log those that failed."""
+        for joint, event, sigma, tau in self.bonds.step(passed):
+            kind = _KINDS[event]
             self.tracker.breaks(joint, kind, sigma, tau)
             self.model.loosen(joint)
-            self.scene.holding.remove(joint)
+            self.scene.let_go(joint)
             self._events.append((self.clock, joint, kind, sigma, tau))
+        if self.clock % FOLLOW_STEPS == 0:
+            self.bonds.sample()
         if self.clock % JOINT_STEPS == 0:
-            self.splitting.confine()
-
-    def _fray(self, joint, opening, slip, sigma, tau):
-        """Fail parallel elements of a bond at these displacements [m] and stresses [Pa], after an
-        update of its failed ones."""
-        tracker, scene = self.tracker, self.scene
-        if tracker.dry[joint] > 0:
-            one = np.array([joint])
-            self._log_passings(
-                tracker.sample(
-                    one, np.array([opening]), np.array([slip]), scene.shear_stresses(one)
-                )
-            )
-        for share, kind, last in scene.give_way(joint, sigma, tau):
-            tracker.friction[joint] = self.model.friction_of(joint)
-            tracker.fibre_breaks(joint, kind, sigma, tau, share, last)
-            if last:
-                self._events.append((self.clock, int(joint), kind, sigma, tau))
+            self.bonds.confine()
 
     def _follow_joints(self):
         """Update the state of the failed joints; enable collisions where bricks come loose."""

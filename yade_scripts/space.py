@@ -112,7 +112,7 @@ class SpaceReader(SceneReader):
 
     def force_of(self, joint):
         """As of SceneReader; the shear force is a size."""
-        (contact,) = self.model.contacts_of(joint)
+        contact = self.model.bonds[joint]
         if not contact.isReal:
             return 0.0, 0.0
         normal = -contact.phys.normalForce.dot(contact.geom.normal)

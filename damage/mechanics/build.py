@@ -41,14 +41,15 @@ CAPACITY = 100_000
 def build(layout):
     """The Tables of a damage.wall.layout.Layout.
 
-    Its contacts are the contact points of the layout or, if it has them, their parallel elements.
-    Its bodies are those of the layout, then the supports.
+    Its contacts are the contact points of the layout.  Its bodies are those of the layout, then the
+    supports.
     """
-    row, share = contact_rows(layout)
-    interfaces, middle = _interfaces(layout, row)
-    contacts, n_bodies = _contacts(layout, row, share, middle), len(layout.bodies)
+    interfaces, middle = _interfaces(layout)
+    contacts, n_bodies = _contacts(layout, middle), len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
-    radiation = _radiation(layout, row if n_modes else row[interfaces["start"]])
+    radiation = _radiation(
+        layout, np.arange(len(layout.contacts)) if n_modes else interfaces["start"]
+    )
     tables = make_tables(
         n_bodies + len(layout.supports),
         RIGID + n_modes,
@@ -60,7 +61,7 @@ def build(layout):
     )
     system = system_of(tables, 0)
     system.material[:] = material_of(layout.wall.joint)
-    _set_strengths(system.strengths, layout, row, share)
+    _set_strengths(system.strengths, layout)
     for name, of in range_left(ContactState(), law_of(system))._asdict().items():
         system.states[f"elastic_{name}"] = of
     system.states["idle"] = -1.0
@@ -96,7 +97,7 @@ def _radiation(layout, row):
 
 def strain_tables(layout):
     """The Strain of a damage.wall.layout.Layout, None of rigid bricks."""
-    row, of = contact_rows(layout)[0], layout.strain
+    of = layout.strain
     if of is None:
         return None
     resting = np.zeros((len(layout.supports), of.n_modes))
@@ -104,91 +105,80 @@ def strain_tables(layout):
         np.vstack([of.stiffness, resting]),
         np.vstack([of.damping, resting]),
         of.shapes,
-        np.column_stack([of.first, of.second])[row].astype(INDEX),
+        np.column_stack([of.first, of.second]).astype(INDEX),
     )
 
 
 def cut_tables(layout, interfaces):
     """The Cuts of a damage.wall.layout.Layout; interfaces: table INTERFACE."""
-    row, share = contact_rows(layout)
     cuts, beside = beside_cuts(layout.contacts)
-    contact = [np.flatnonzero(np.isin(row, of_cut[of_cut >= 0])) for of_cut in beside]
+    contact = [np.unique(of_cut[of_cut >= 0]) for of_cut in beside]
     every = np.concatenate([np.zeros(0, int), *contact])
     return Cuts(
-        np.searchsorted(interfaces["start"], np.searchsorted(row, cuts)),
+        np.searchsorted(interfaces["start"], cuts),
         np.cumsum([0, *map(len, contact)]),
         every,
-        0.25 * np.broadcast_to(share, len(row))[every],
+        np.full(len(every), 0.25),
         np.array([layout.wall.brick.tensile_strength or 0.0]),
     )
 
 
-def contact_rows(layout):
-    """For each contact of the tables the row of the contact point in the layout, (contacts,), and
-    its share of the area [-], (contacts,) or 1."""
-    if layout.fibres is None:
-        return np.arange(len(layout.contacts)), 1.0
-    return layout.fibres.contact, layout.fibres.share
-
-
-def _contacts(layout, row, share, middle):
-    """Table CONTACT; row, share: of `contact_rows`; middle: (x, z) of the interface of each contact
-    [m]."""
+def _contacts(layout, middle):
+    """Table CONTACT; middle: (x, z) of the interface of each contact [m]."""
     contacts = layout.contacts
-    area = contacts.area[row] * share
     return table(
         CONTACT,
-        len(row),
-        area=area,
+        len(contacts),
+        area=contacts.area,
         # Offsets follow the joint's axes: along +x in bed joints, along -z in head joints.
-        offset=np.where(
-            contacts.upright[row], middle[1] - contacts.z[row], contacts.x[row] - middle[0]
-        ),
+        offset=np.where(contacts.upright, middle[1] - contacts.z, contacts.x - middle[0]),
     )
 
 
-def _set_strengths(strengths, layout, row, share):
-    """Fill the table STRENGTHS; row, share: of `contact_rows`."""
-    contacts, joint, bonds = layout.contacts, layout.wall.joint, layout.fibres or layout.contacts
-    area, none = contacts.area[row] * share, layout.fibres or not joint.softens
+def _set_strengths(strengths, layout):
+    """Fill the table STRENGTHS."""
+    contacts = layout.contacts
+    joint = layout.wall.joint
+    energies = (0.0, 0.0)
+    if joint.softens:
+        energies = (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     of_cuts = to_bits(layout.wall.brick.fracture_energy or 0.0)
     of_joints = np.where(contacts.tensile_strength == 0, 0.0, 1.0)
     mode_i, mode_ii = (
-        np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(0.0 if none else energy))[row]
-        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
+        np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(energy)) for energy in energies
     )
-    strengths["normal_stiffness"] = contacts.normal_stiffness[row]
-    strengths["shear_stiffness"] = contacts.shear_stiffness[row]
+    strengths["normal_stiffness"] = contacts.normal_stiffness
+    strengths["shear_stiffness"] = contacts.shear_stiffness
     for name, values in (
-        ("tensile_strength", bonds.tensile_strength),
-        ("cohesion", bonds.cohesion),
+        ("tensile_strength", contacts.tensile_strength),
+        ("cohesion", contacts.cohesion),
         ("mode_i_energy", mode_i),
         ("mode_ii_energy", mode_ii),
-        ("compressive_strength", contacts.compressive_strength[row]),
+        ("compressive_strength", contacts.compressive_strength),
         ("crushing_energy", to_bits(joint.compressive_fracture_energy or 0.0)),
     ):
-        strengths[name] = values * area
+        strengths[name] = values * contacts.area
 
 
-def _interfaces(layout, row):
+def _interfaces(layout):
     """Table INTERFACE, and for each contact the middle (x, z) of its interface [m].
 
     The contact points of an interface are neighbours in the layout.
     """
     contacts, bodies = layout.contacts, layout.bodies
-    first, second = rows(contacts.first, len(bodies))[row], contacts.second[row]
+    first, second = rows(contacts.first, len(bodies)), contacts.second
     changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
     start = np.append(0, np.flatnonzero(changes) + 1)
-    stop = np.append(start[1:], len(row))
+    stop = np.append(start[1:], len(contacts))
     middle = [
-        (np.minimum.reduceat(place[row], start) + np.maximum.reduceat(place[row], start)) / 2
+        (np.minimum.reduceat(place, start) + np.maximum.reduceat(place, start)) / 2
         for place in (contacts.x, contacts.z)
     ]
     x = np.append(bodies.x, layout.supports.x)
     z = np.append(bodies.z, np.zeros(len(layout.supports)))
     a, b = first[start], second[start]
-    upright = contacts.upright[row][start]
-    least, most = slide_limits(contacts.first[row][start], b, upright, bodies)
+    upright = contacts.upright[start]
+    least, most = slide_limits(contacts.first[start], b, upright, bodies)
     interfaces = table(
         INTERFACE,
         len(start),

@@ -42,6 +42,7 @@ SOURCES = [
         "interfaces",
         "rows",
         "contacts",
+        "bonds",
         "collisions",
         "samples",
         "step",

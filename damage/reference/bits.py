@@ -69,7 +69,6 @@ CASES = {
     "restrained": Case(STRIP, "--harmonic 0.06 0.6 --rest 0.1"),
     "scaled": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.2"),
     "softening": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.1 --mass-scaling none", is_long=True),
-    "elements": Case(SOFT, "--fibres 8 --harmonic 0.2 0.05 --rest 0.1", is_long=True),
     "crushing": Case(CLAY, "--pushover 0.05", is_long=True),
     "house": Case(HOUSE, "--harmonic 0.1 0.2 --rest 0.2", is_long=True),
     "life": Case(

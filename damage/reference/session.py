@@ -26,7 +26,7 @@ from damage.run.session import (
     simulate,
     with_errors_reported,
 )
-from damage.run.settings import LINTELS, SELECTIVE, Softening
+from damage.run.settings import LINTELS, SELECTIVE
 from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path
 
@@ -50,7 +50,6 @@ BACKEND = Backend(
     {"numba": numba.__version__},
     _make,
     Path(__file__).parent,
-    softening=Softening(),
     most=MOST_LANES,
 )
 

@@ -90,13 +90,8 @@ class ReferenceSolver(ReferenceWall, Solver):
             return range(self.clock - (self.clock - first) % interval + interval, end, interval)
 
         ends = sorted({*steps_of(0, sample_steps), *steps_of(since, LOOK_STEPS), end})
-        # Prescribed velocities change at every sample; events of parallel elements are known at the
-        # sample alone.
-        single = (
-            self._is_driven
-            or self.layout.fibres is not None
-            or self.system.bearings["stiffness"].any()
-        )
+        # Prescribed velocities change at every sample.
+        single = self._is_driven or self.system.bearings["stiffness"].any()
         return ends[:1] if single else ends
 
     def _instants_at(self, samples):
@@ -120,9 +115,8 @@ class ReferenceSolver(ReferenceWall, Solver):
         contacts = {
             name: values[rows] for name, values in self.contact_data(samples, joints).items()
         }
-        stress = (
-            np.moveaxis(self.of_joints(samples.stress[rows]), 1, 2) if self.with_stresses else None
-        )
+        of_joints = samples.stress[rows][..., : self.layout.n_joints]
+        stress = np.moveaxis(of_joints, 1, 2) if self.with_stresses else None
         return Instants(
             clock,
             moved[:, :n, :RIGID],
@@ -175,15 +169,11 @@ class ReferenceSolver(ReferenceWall, Solver):
     def saved_state(self):
         if self.loose is not None:
             return None
-        return {name: np.ascontiguousarray(getattr(self.system, name)) for name in STATE_TABLES} | {
-            f"passed_{kind}": passed for kind, passed in self._passed.items()
-        }
+        return {name: np.ascontiguousarray(getattr(self.system, name)) for name in STATE_TABLES}
 
     def resume(self, state):
         for name in STATE_TABLES:
             getattr(self.system, name)[:] = state[name]
-        for kind, passed in self._passed.items():
-            passed[:] = state[f"passed_{kind}"]
         self.lanes.confine(self)
 
     def _whole(self):
@@ -199,7 +189,7 @@ class ReferenceSolver(ReferenceWall, Solver):
             if self.loose is None
             else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
         )
-        return found | loose | {f"passed_{kind}": passed for kind, passed in self._passed.items()}
+        return found | loose
 
     def checkpoint(self):
         count = dict.fromkeys(("events", "values"), int(self.system.n_events[0]))
@@ -217,7 +207,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         )
 
     def drain_events(self):
-        if self.layout.fibres is None and self.system.n_events[0] == 0:
+        if self.system.n_events[0] == 0:
             return []  # the usual case
         return [
             (int(step), int(joint), EVENT_KINDS[kind], *values)

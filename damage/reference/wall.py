@@ -10,7 +10,6 @@ import numpy as np
 
 from damage.elementary import sin, total
 from damage.errors import RunError
-from damage.index import THRESHOLD
 from damage.law.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import (
@@ -60,9 +59,6 @@ class ReferenceWall:
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         self._held, self._is_driven, self._spreads = None, False, False
         self._active = (0, np.empty(0, int))
-        self._passed = {
-            kind: np.zeros(layout.n_joints, bool) for kind in (tables.OPENED, tables.SLIPPED)
-        }
         self.refresh()
 
     @property
@@ -125,12 +121,11 @@ class ReferenceWall:
     @property
     def slip(self):
         """Accumulated slip: plastic shear displacement while closed, (n_joints,) [m]."""
-        return self.of_joints(self.system.states["slip"])
+        return self.system.states["slip"][: self.layout.n_joints]
 
     @property
     def offset(self):
-        """Shear displacement less its elastic part, (n_joints,) [m]; zero where intact; mean of
-        parallel elements."""
+        """Shear displacement less its elastic part, (n_joints,) [m]; zero where intact."""
         return self.contact_data(self.sample_now())["offset_m"][0]
 
     @property
@@ -169,10 +164,7 @@ class ReferenceWall:
         return rows
 
     def active_contacts(self):
-        """Indices of the active contact points, those of failed interfaces; all, a slice, with
-        parallel elements."""
-        if self.layout.fibres is not None:
-            return slice(None)
+        """Indices of the active contact points, those of failed interfaces."""
         interfaces, failed = self.system.interfaces, self.system.limits[:, tables.HAS_FAILED] > 0
         if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
             self._active = (
@@ -183,29 +175,13 @@ class ReferenceWall:
 
     def contact_data(self, samples, joints=slice(None)):
         """Contact data of Samples of this wall, {name of FIELD_NAMES: (n, n_selected)}; joints:
-        indices or a slice.
-
-        Parallel elements give the mean by their shares; their state is that of the last one to
-        fail.
-        """
-        fibres, n, found = self.layout.fibres, self.layout.n_joints, {}
-        for name, values in zip(FIELD_NAMES, np.moveaxis(samples.contacts, 1, 0)):
-            of_joints = (
-                values
-                if fibres is None
-                else values[:, fibres.last]
-                if name == "state"
-                else fibres.mean(values)
-            )
-            found[name] = of_joints[:, :n][:, joints]
+        indices or a slice."""
+        found = {
+            name: values[:, : self.layout.n_joints][:, joints]
+            for name, values in zip(FIELD_NAMES, np.moveaxis(samples.contacts, 1, 0))
+        }
         found["state"] = found["state"].astype("u1")
         return found
-
-    def of_joints(self, values):
-        """Values (..., contacts) of contact points, (..., n_joints): means of parallel elements by
-        their shares."""
-        fibres = self.layout.fibres
-        return (values if fibres is None else fibres.mean(values))[..., : self.layout.n_joints]
 
     # --- loading and time steps -----------------------------------------------------------------
 
@@ -261,29 +237,7 @@ class ReferenceWall:
             )
         self.system.n_events[0] = 0
         events, values = self.system.events[:count].copy(), self.system.values[:count].copy()
-        if self.layout.fibres is not None:
-            events, values = self._events_of_fibres(events, values)
         return events[:, 0], events[:, 1], events[:, 2], values
-
-    def _events_of_fibres(self, events, values):
-        """Events of contact points from those of their parallel elements.
-
-        A contact point fails with its last element.  Its opening and slip, means over the elements,
-        are compared with the threshold at the samples.
-        """
-        fibres = self.layout.fibres
-        of_contacts = fibres.last[events[:, 1]] & (events[:, 2] < tables.OPENED)
-        events, values = events[of_contacts], values[of_contacts]
-        events[:, 1] = fibres.contact[events[:, 1]]
-        stresses = map(self.of_joints, self.stresses)
-        now = np.column_stack([*stresses, self.opening, self.slip])
-        for kind, size in ((tables.OPENED, now[:, 2]), (tables.SLIPPED, np.abs(now[:, 3]))):
-            new = np.flatnonzero((size > THRESHOLD) & ~self._passed[kind])
-            self._passed[kind][new] = True
-            step = np.full(len(new), self.clock)
-            events = np.vstack([events, np.column_stack([step, new, np.full(len(new), kind)])])
-            values = np.vstack([values, now[new]])
-        return events, values
 
     def hold(self, bodies, rotation, stiffness=0.0):
         """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation:

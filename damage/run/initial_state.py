@@ -139,15 +139,9 @@ def with_zero(state, zero):
 def without_bond(layout, joints):
     """The layout whose contact points `joints`, (n_joints,) of bool, carry compression and friction
     alone."""
-    fibres = layout.fibres and _without_bond(layout.fibres, joints[layout.fibres.contact])
-    return replace(layout, contacts=_without_bond(layout.contacts, joints), fibres=fibres)
-
-
-def _without_bond(table, failed):
-    return replace(
-        table,
-        **{
-            name: np.where(failed, 0.0, getattr(table, name))
-            for name in ("tensile_strength", "cohesion")
-        },
-    )
+    contacts = layout.contacts
+    strengths = {
+        name: np.where(joints, 0.0, getattr(contacts, name))
+        for name in ("tensile_strength", "cohesion")
+    }
+    return replace(layout, contacts=replace(contacts, **strengths))

@@ -90,9 +90,9 @@ def check_top(settings, layout, time_step):
         )
 
 
-def softening_warnings(settings, time_step, critical_s, softening):
+def softening_warnings(settings, time_step, critical_s, beta_s):
     """What of a run's step and damping is outside of what softening joints were shown to need in a
-    solver, by its Softening: a list of lines."""
+    solver, by the damping [s] that it gives them: a list of lines."""
     found = []
     asked = settings.time_step_s is not None and not settings.scales
     if asked and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
@@ -100,9 +100,9 @@ def softening_warnings(settings, time_step, critical_s, softening):
             f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected"
             f" at most {SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out"
         )
-    if settings.beta_s < softening.beta_s and not settings.loading.drive.quasi_static:
+    if settings.beta_s < beta_s and not settings.loading.drive.quasi_static:
         found.append(
-            f"--beta {settings.beta_s:g} s: expected at least {softening.beta_s:g} where joints"
+            f"--beta {settings.beta_s:g} s: expected at least {beta_s:g} where joints"
             " soften, or cracks follow rounding and step; leave --beta out"
         )
     return found

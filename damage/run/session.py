@@ -35,7 +35,7 @@ from damage.run.report import check_pictures, report
 from damage.run.run import Run
 from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
 from damage.run.scheme import check_energy, scaling_warnings, schemes
-from damage.run.settings import SELECTIVE, RunSettings, Softening
+from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.coarser import in_units
 from damage.wall.drawn import drawn, ranges
@@ -52,8 +52,8 @@ class Backend:
     versions: {software: version} beside this software's own; code: the folder of the solver's
     modules; make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall):
     raises InputError on what it cannot do; open_view: opens a live view and returns a function that
-    refreshes it; None where there is none; softening: what it gives joints with fracture energies;
-    None where it does not know them;
+    refreshes it; None where there is none; softening_beta_s: stiffness-proportional damping of
+    joints that soften [s];
     keeps_state: whether the history has the state at its end, from which another run continues; it
     is in a checkpoint otherwise;
     begins(run): called with the Run before its first step; most: runs that step together at most.
@@ -65,7 +65,7 @@ class Backend:
     code: Path
     check: Callable = lambda settings, wall: None
     open_view: Callable | None = None
-    softening: Softening | None = None
+    softening_beta_s: float = SOFTENING_BETA_S
     keeps_state: bool = True
     begins: Callable = lambda run: None
     most: int = 1
@@ -262,13 +262,7 @@ def check(backend, wall, settings):
         check_house(backend, settings, wall)
     settings.check_plausible(wall)
     wall = masonry_of(wall)
-    if wall.joint.softens and not backend.softening:
-        raise InputError(
-            f"wall {wall.name}: its joints have fracture energies, which the {backend.name} solver"
-            " does not know; leave them out, or use the reference solver: python3 -m damage"
-            " reference"
-        )
-    settings = settings.for_joint(wall.joint, backend.softening or Softening())
+    settings = settings.for_joint(wall.joint, backend.softening_beta_s)
     backend.check(settings, wall)
     return settings
 
@@ -377,7 +371,10 @@ def announce(plan):
     if wall.joint.softens:
         warn(
             *softening_warnings(
-                settings, plan.time_step, plan.modes.critical_time_step_s, plan.backend.softening
+                settings,
+                plan.time_step,
+                plan.modes.critical_time_step_s,
+                plan.backend.softening_beta_s,
             ),
             code="softening_step",
         )

@@ -58,15 +58,6 @@ SOFTENING_BETA_S = 1e-6
 
 
 @dataclass(frozen=True)
-class Softening:
-    """What a solver gives joints that soften where nothing else is asked for, and needs for them:
-    fibres, 0 for the smooth law; beta_s: stiffness-proportional damping [s]."""
-
-    fibres: int = 0
-    beta_s: float = SOFTENING_BETA_S
-
-
-@dataclass(frozen=True)
 class RunSettings:
     """One run: what drives the wall, how it is modelled, where the history goes; fields without a
     text here are options of the command line, with its help.
@@ -348,14 +339,12 @@ class RunSettings:
         out."""
         return self.settlement is not None or self.model.soil != "rigid"
 
-    def for_joint(self, joint, softening=Softening()):
-        """These settings with what a damage.wall.parameters.Joint gets by a solver's Softening,
-        where nothing else was asked for."""
-        beta_s = (
-            self.beta_s if self.beta_s is not None else softening.beta_s if joint.softens else 0.0
-        )
-        fibres = self.model.fibres or (softening.fibres if joint.softens else 0)
-        return replace(self, beta_s=beta_s, model=replace(self.model, fibres=fibres))
+    def for_joint(self, joint, softening_beta_s=SOFTENING_BETA_S):
+        """These settings with the damping [s] that a solver gives a damage.wall.parameters.Joint
+        which softens, where none was asked for."""
+        if self.beta_s is not None:
+            return self
+        return replace(self, beta_s=softening_beta_s if joint.softens else 0.0)
 
     @property
     def scales(self):

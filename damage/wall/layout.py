@@ -29,7 +29,6 @@ from damage.wall.contact_points import (
     scattered,
     segments_of,
 )
-from damage.wall.fibres import Fibres, split_into_fibres
 from damage.wall.floors import with_timber_floors
 from damage.wall.kinds import (
     ARCH_COURSE,
@@ -115,8 +114,8 @@ class Layout:
     drift_bodies: bricks of the plan's drift course whose centres stand over piers; drift_height [m]
     of them.
     supports: below the base.
-    fibres: of the contacts where `options` ask for them, else None; strain: of the bricks where
-    they deform, else None; space: `damage.wall.space.Space` of a house, None of a plane wall.
+    strain: of the bricks where they deform, else None; space: `damage.wall.space.Space` of a house,
+    None of a plane wall.
     """
 
     wall: Wall
@@ -130,7 +129,6 @@ class Layout:
     drift_bodies: np.ndarray
     drift_height: float
     supports: Supports
-    fibres: Fibres | None = None
     strain: Strain | None = None
     space: object = None
 
@@ -268,7 +266,7 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     too many.
     """
     options = options or ModelOptions()
-    alike = _lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0, fibres=0))
+    alike = _lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0))
     layout = deepcopy(alike, {id(alike.plan): alike.plan})  # a plan never changes
     layout = replace(
         layout,
@@ -284,15 +282,7 @@ def lay_out(wall, options=None, *, scatter=0.0, seed=0):
     layout = on_soil(layout)
     if layout.strain is None and wall.brick.splits:
         layout = cut_bricks(layout)
-    layout = _rounded(layout)
-    return replace(
-        layout,
-        fibres=(
-            split_into_fibres(wall.joint, layout.contacts, options.fibres)
-            if options.fibres
-            else None
-        ),
-    )
+    return _rounded(layout)
 
 
 def _rounded(layout):

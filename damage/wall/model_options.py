@@ -43,8 +43,6 @@ class ModelOptions:
     soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a
         word; soil_shear: horizontal over vertical stiffness; footing: width over which they act
         [m]; soil_velocity: shear-wave velocity [m/s] of a soil with radiation damping, 0 without.
-    fibres: bonds with fracture energies are so many brittle ones in parallel
-        (`damage.wall.fibres`); 0: the smooth law, which YADE does not have: there 16.
     bricks: "rigid", their compliance lumped into the joints, or "deformable"
         (`damage.wall.strain`), with brick_damping of their strain modes' critical damping.
     """
@@ -153,19 +151,6 @@ class ModelOptions:
         metavar="M_S",
         tag="soil-velocity-{soil_velocity:g}",
         help="soil: shear-wave velocity, for radiation damping (reference solver); 0: none",
-    )
-    fibres: int = quantity(
-        "1",
-        0,
-        64,
-        whole=True,
-        default=0,
-        metavar="N",
-        tag="fibres-{fibres}",
-        help=(
-            "number of "
-            "parallel brittle elements of a softening joint; 0: one smooth law, in YADE 16 elements"
-        ),
     )
     bricks: str = choice(
         ("rigid", "deformable"),

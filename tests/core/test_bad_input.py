@@ -96,7 +96,6 @@ OPTIONS = {
     "--boundary fixed": "--boundary",
     "--lintel granite": "granite",
     "--bricks deformable --new-contacts": "loose bricks collide as rigid ones",
-    "--fibres 8": "are brittle",
     "--rest 1e12": "0 to 2000",
 }
 IN_YADE = {
@@ -292,7 +291,6 @@ RUN = {
     "--rayleigh ? 5 20": "0 1e-300 0.5",
     "--rayleigh 0.02 ? 20": "0.5",
     "--scatter ?": "0 1e-300",
-    "--fibres ?": "0",
     "--soil ?": "1000000000",
     "--soil 1e8 --soil-velocity ?": "0",
     "--soil 1e8 --soil-shear ?": "0.5",

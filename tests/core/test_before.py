@@ -52,20 +52,8 @@ def halves(folder, wall, **options):
             ),
             {"mass_scaling": "none"},
         ),  # else each half is accepted, or repeated, by itself
-        pytest.param(
-            Wall(
-                "fibres",
-                1.125,
-                0.6,
-                [Opening(0.3375, 0.45, 0.3, 0.15)],
-                joint=SOFT,
-                lintel="courses",
-            ),
-            {"fibres": 8, "beta": 0.0},
-            marks=pytest.mark.long,
-        ),
     ],
-    ids=["brittle", "settled", "soft", "fibres"],
+    ids=["brittle", "settled", "soft"],
 )
 def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, options):
     whole, second = halves(tmp_path, wall, **({"rest": 0.05} | options))

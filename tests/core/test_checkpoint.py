@@ -274,7 +274,32 @@ def test_what_acts_on_a_pushed_wall_continues_in_yade(words, tmp_path, yade_comm
         yade_command(*SHORT, f"KILLED_AT={time_s}", *words, "--out", cut).returncode
         == -signal.SIGKILL
     )
-    kappa = read_checkpoint(checkpoint_path(cut))["splitting.states"][:, KAPPA]
+    kappa = read_checkpoint(checkpoint_path(cut))["bonds.tables.states"][:, KAPPA]
     assert ("--speed" in words) == bool((kappa > 0.0).any())
+    assert yade_command(*SHORT, *words, "--resume", cut).returncode == 0
+    assert differences(values(tmp_path / "whole.h5"), values(cut)) == []
+
+
+@pytest.mark.yade
+@pytest.mark.long
+def test_softened_bonds_continue_in_yade(tmp_path, yade_command):
+    words = (
+        "walls/variants/small_softening.py",
+        "--harmonic",
+        0.1,
+        0.4,
+        "--cycles",
+        1,
+        "--rest",
+        0,
+        "--no-pictures",
+    )
+    assert yade_command(*SHORT, *words, "--out", tmp_path / "whole.h5").returncode == 0
+    cut = tmp_path / "cut.h5"
+    assert (
+        yade_command(*SHORT, "KILLED_AT=0.09", *words, "--out", cut).returncode == -signal.SIGKILL
+    )
+    kappa = read_checkpoint(checkpoint_path(cut))["bonds.tables.states"][:, KAPPA]
+    assert (kappa > 0.0).sum() > 10
     assert yade_command(*SHORT, *words, "--resume", cut).returncode == 0
     assert differences(values(tmp_path / "whole.h5"), values(cut)) == []

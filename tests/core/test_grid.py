@@ -120,7 +120,6 @@ GRID = {
     "soil that radiates": Case(options={"soil": 1e8, "soil_velocity": 100.0}),
     "damping by stiffness": Case(beside=STIFFER, beta_s=1e-6),
     "softening joints": Case({"joint": SOFT}, beside=STIFFER, peak=40.0),
-    "parallel elements": Case({"joint": SOFT}, {"fibres": 4}, peak=40.0),
     "crushing joints": Case({"joint": replace(WEAK, compressive_strength=3e5)}, happens=CRUSHED),
     "crushing that softens": Case({"joint": SOFT_AND_CRUSHING}, beside=STIFFER, happens=CRUSHED),
     "bricks that split": Case({"brick": replace(BRICK, tensile_strength=2e4)}),

@@ -262,8 +262,6 @@ def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
         "--rest",
         0,
         "--stresses",
-        "--fibres",
-        4,
         yade=SHORT,
     ).values()
     largest = np.abs(two.joint_stress_pa[0]).max()

@@ -267,7 +267,6 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
         ("--contacts gauss", None),
         ("--bricks deformable", None),
         ("--soil 1e8", None),
-        ("--fibres 4", None),
         ("--new-contacts", None),
         ("--settling local", None),
         ("--relaxation local", None),

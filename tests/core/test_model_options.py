@@ -51,7 +51,6 @@ def test_figures_and_evidence_know_every_choice():
         "top",
         "load",
         "strength_cov",
-        "fibres",
         "bricks",
         "brick_damping",
         "supports",

@@ -107,22 +107,11 @@ def by_law(path, strengths, energies):
     return np.array(found)
 
 
-@pytest.mark.parametrize("number", [0, 8])
-def test_a_bond_that_softens_and_its_fibres(number):
-    """The bond holds a part of its cohesion and opens and closes; of fibres each has its own
-    stress."""
-    pair = Pair(SOFT, ModelOptions(fibres=number))
+def test_a_bond_that_softens():
+    """The bond holds a part of its cohesion and opens and closes."""
+    pair = Pair(SOFT)
     ours = [pair.go(there).offset[BETWEEN[0]] for there in SOFT_PATH]
-    if number == 0:
-        expected = by_law(SOFT_PATH, (SOFT.tensile_strength, SOFT.cohesion), (5.0, 50.0))
-    else:
-        fibres = pair.layout.fibres
-        mine = np.flatnonzero(fibres.contact == BETWEEN[0])
-        expected = sum(
-            fibres.share[k]
-            * by_law(SOFT_PATH, (fibres.tensile_strength[k], fibres.cohesion[k]), (0.0, 0.0))
-            for k in mine
-        )
+    expected = by_law(SOFT_PATH, (SOFT.tensile_strength, SOFT.cohesion), (5.0, 50.0))
     assert_allclose(ours, expected, atol=1e-11)
     assert 0 < ours[0] < 4e-5 and abs(ours[-2]) > 1e-4
 

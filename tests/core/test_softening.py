@@ -1,5 +1,4 @@
-"""Softening joints: the law, its parallel elements, the options that a run requires, and walls with
-known results."""
+"""Softening joints: the law, the options that a run requires, and walls with known results."""
 
 import math
 from dataclasses import replace
@@ -7,12 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import REPOSITORY, refused_with, wall_file
-from numpy.testing import assert_allclose
 from pytest import approx
-from scipy.special import lambertw
 
 from damage import Joint, Wall, read_history
-from damage.errors import InputError
 from damage.law.joint_law import (
     GONE,
     INTACT,
@@ -28,14 +24,12 @@ from damage.law.joint_law import (
 from damage.measure.summary import summarise
 from damage.reference.session import BACKEND
 from damage.run.options import parse_run
-from damage.run.session import Backend, run_session
+from damage.run.session import run_session
 from damage.run.settings import SOFTENING_BETA_S
-from damage.wall.fibres import lambert, split_into_fibres
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import softening_energies
-from verification.softening import compared
 
 KN, KS, FT, C, MU, G1, G2 = 6.557e10, 2.687e10, 0.18e6, 0.21e6, 0.42, 5.0, 50.0
 LAW = LawParameters(KN, KS, FT, C, Material(MU), G1, G2)
@@ -134,79 +128,16 @@ class TestLaw:
         assert states[-1].shear_stress == approx(MU * 1e-6 * KN)
 
 
-class TestFibres:
-    @pytest.mark.parametrize("number", [4, 16])
-    def test_they_share_the_area_hold_both_energies_and_break_one_after_another(self, number):
-        wall = Wall("w", 0.675, 0.45, joint=SOFT)
-        layout = lay_out(wall, ModelOptions(fibres=number, strength_cov=0.1))
-        fibres, contacts = layout.fibres, layout.contacts
-        soft = ~contacts.elastic
-        kn, ks = (
-            stiffness[fibres.contact]
-            for stiffness in (contacts.normal_stiffness, contacts.shear_stiffness)
-        )
-        assert_allclose(np.bincount(fibres.contact, fibres.share), 1.0)
-        with np.errstate(invalid="ignore"):
-            energies = (
-                fibres.mean(fibres.tensile_strength**2 / kn / 2),
-                fibres.mean(fibres.cohesion**2 / ks / 2),
-            )
-        assert_allclose(
-            [energies[0][soft], energies[1][soft]],
-            [[G1] * soft.sum(), [G2] * soft.sum()],
-            rtol=1e-6,
-        )
-        for strengths, intact in (
-            (fibres.tensile_strength, contacts.tensile_strength),
-            (fibres.cohesion, contacts.cohesion),
-        ):
-            per_contact = strengths[soft[fibres.contact]].reshape(-1, number)
-            assert_allclose(per_contact[:, 0], intact[soft])
-            assert np.all(np.diff(per_contact) > 0)
-
-    def test_lamberts_function_is_that_of_scipy(self):
-        y = np.append(0.0, 10.0 ** np.linspace(-20, 20, 401))
-        assert_allclose(lambert(y), lambertw(y).real, rtol=1e-15)
-
-    def test_laws_that_parallel_elements_cannot_represent_are_refused(self):
-        with pytest.raises(InputError, match="give higher ones"):
-            lay_out(
-                Wall(
-                    "w",
-                    0.675,
-                    0.45,
-                    joint=Joint(mode_i_fracture_energy=0.1, mode_ii_fracture_energy=50.0),
-                ),
-                ModelOptions(fibres=8),
-            )
-        for number in (1, 2):
-            with pytest.raises(InputError, match="expected enough"):
-                lay_out(Wall("w", 0.675, 0.45, joint=SOFT), ModelOptions(fibres=number))
-        refused_with(
-            "are brittle", split_into_fibres, Joint(), lay_out(Wall("w", 0.675, 0.45)).contacts, 8
-        )
-
-    def test_along_the_same_paths_they_dissipate_alike(self):
-        """docs/validation/verification.md: along mixed paths the two forms differ by up to 8 %,
-        else by 0.1 %, and stresses of 16 elements, with their teeth, by up to 6 % along pure paths
-        (8 % with few steps)."""
-        for path, dissipated, more_8, _, more_16, away_16 in compared(fine=400, coarse=400):
-            pure = path.startswith(("tension", "shear", "opened and closed"))
-            assert max(abs(more_8), abs(more_16)) < (1.5 if pure else 9.5), path
-            assert away_16 < (9 if pure else 30), path
-            assert dissipated > 0
-
-
 PIER = (
     "Wall('pier', 1.35, 1.2, joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
 )
 
 
-def run(tmp_path, *words, wall=None, backend=BACKEND, name="run.h5"):
+def run(tmp_path, *words, wall=None, name="run.h5"):
     wall = wall or Wall("pier", 1.35, 1.2, joint=SOFT)
     out = tmp_path / name
     status = run_session(
-        backend,
+        BACKEND,
         wall_file(tmp_path / "pier.py", PIER),
         lambda: wall,
         [*map(str, words), "--out", str(out), "--no-pictures"],
@@ -221,11 +152,6 @@ class TestRun:
         assert parse_run([], "test", "reference").for_joint(SOFT).beta_s == SOFTENING_BETA_S
         assert parse_run([], "test", "reference").for_joint(Joint()).beta_s == 0.0
         assert parse_run(["--beta", "0"], "test", "reference").for_joint(SOFT).beta_s == 0.0
-
-    def test_a_solver_that_knows_no_softening_refuses(self, tmp_path, capsys):
-        backend = Backend("other", {}, None, tmp_path)
-        assert run(tmp_path, backend=backend)[0] == 2
-        assert "fracture energies" in capsys.readouterr().err
 
 
 class TestParameters:

@@ -19,7 +19,6 @@ from damage.wall.house import Diaphragm, House, Placed
 from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from yade_scripts.joint_tracker import JointTracker
 
@@ -134,72 +133,6 @@ def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
     tracker.breaks(below, "shear", -1e5, 3e5)
     tracker.sample(np.array([below]), np.array([1e-5]), np.array([5.0]), np.zeros(1))
     assert tracker.followed.tolist() == [below]  # the ground does not end
-
-
-def frayed(path):
-    """Drive joint 0 as 8 fibres by the law, each for itself, and the tracker by samples, the broken
-    ones as one dry joint: (states, shares, tracker, area)."""
-    layout = lay_out(Wall("small", 0.45, 0.15, joint=FIVE_FIFTY), ModelOptions(fibres=8))
-    tracker, contacts, fibres = JointTracker(layout, 1e-4), layout.contacts, layout.fibres
-    laws = [
-        LawParameters(
-            contacts.normal_stiffness[0],
-            contacts.shear_stiffness[0],
-            fibres.tensile_strength[k],
-            fibres.cohesion[k],
-            material_of(FIVE_FIFTY),
-        )
-        for k in range(8)
-    ]
-    shares, states, shear, first = fibres.share[:8], [ContactState()] * 8, 0.0, np.array([0])
-    for opening, target in path:
-        before = [state.broken for state in states]
-        dry = shares * before
-        stress = np.array([0.0])
-        states, events = zip(
-            *[advance(opening, target - shear, *pair) for pair in zip(states, laws)]
-        )
-        if dry.any():
-            stress[0] = dry @ [state.shear_stress for state in states] / dry.sum()
-            tracker.sample(first, np.array([opening]), np.array([target]), stress)
-        for k in np.flatnonzero(events):
-            tracker.fibre_breaks(
-                0,
-                KINDS[events[k]],
-                laws[k].normal_stiffness * opening,
-                laws[k].shear_stiffness * target,
-                shares[k],
-                k == 7,
-            )
-        shear = target
-    return states, shares, tracker, contacts.area[0]
-
-
-def test_fibres_that_slide_out_and_back_and_open_are_one_dry_joint():
-    pressure, out = 4e-6, 3e-4
-    path = [
-        (-pressure, x) for x in (*np.linspace(0, out, 3000), *np.linspace(out, -1.2 * out, 6000))
-    ]
-    states, shares, tracker, area = frayed(path)
-    assert 0.5 < tracker.dry[0] < 1 and not tracker.broken[0]  # some of them hold
-    assert_allclose(tracker.slip[0], shares @ [state.slip for state in states], rtol=1e-3)
-    for energy, work in (
-        (tracker.fracture_energy, "fracture_work"),
-        (tracker.friction_energy, "friction_work"),
-    ):
-        assert_allclose(
-            energy, shares @ [getattr(state, work) for state in states] * area, rtol=2e-3
-        )
-    assert not tracker.at_limit[0] and not states[-1].at_limit
-    path += [(x, -1.2 * out) for x in np.linspace(-pressure, 4e-4, 2000)]
-    states, _, tracker, _ = frayed(path)
-    assert tracker.broken[0] and all(state.broken for state in states)
-    assert_allclose(tracker.opening[0], 4e-4)
-    assert_allclose(
-        tracker.fracture_energy,
-        shares @ [state.fracture_work for state in states] * area,
-        rtol=2e-3,
-    )
 
 
 def test_no_joint_ends_on_a_slab_that_lies_on_two_walls():

@@ -126,23 +126,22 @@ def test_a_tilted_block_touches_at_its_contact_point(far):
 
 @pytest.fixture(scope="module")
 def soft(yade_command):
-    """Paths of a joint that softens, in coarse steps, 16 parallel elements: {name: (Driven in YADE,
-    in reference)}."""
-    made = softening.paths(fine=200, coarse=120)
+    """Paths of a joint that softens, in coarse steps: {name: (Driven in YADE, in reference)}."""
+    made = softening.paths(fine=200, coarse=600)
     return {
-        name: (here, softening.drive(made[name], 16))
-        for name, here in softening.drive_in_yade(made, 16).items()
+        name: (here, softening.drive(made[name]))
+        for name, here in softening.drive_in_yade(made).items()
     }
 
 
-def test_parallel_elements_dissipate_as_in_the_reference_solver(soft):
+def test_softening_joints_dissipate_as_in_the_reference_solver(soft):
     """Along pure, mixed and reversed paths, by the work done and by the tracker."""
     for name, (here, there) in soft.items():
         for energy in ("dissipated", "friction", "fracture", "stored"):
             assert_allclose(
                 getattr(here, energy),
                 getattr(there, energy),
-                rtol=5e-3,
-                atol=1e-3,
+                rtol=1e-3,
+                atol=2e-2,
                 err_msg=f"{name}, {energy}",
             )

@@ -96,7 +96,7 @@ def test_damping_that_closes_yades_balance_is_lost_energy(runs):
 
 @pytest.mark.long
 def test_joints_that_soften_do_so_alike(tmp_path, in_both):
-    """As 16 fibres in both; by itself YADE takes as many, and 0.35 of the critical step."""
+    """By one law in both; by itself YADE takes 0.35 of the critical step."""
     wall = wall_file(tmp_path / "panel.py", SOFT)
     yade, reference = in_both(
         tmp_path,
@@ -106,10 +106,10 @@ def test_joints_that_soften_do_so_alike(tmp_path, in_both):
         "--speed",
         5e-3,
         yade=SHORT,
-        reference=(*LOCAL, "--fibres", 16),
+        reference=LOCAL,
     ).values()
     assert "warning" not in (tmp_path / "yade.txt").read_text()
-    assert yade.model.fibres == 16 and yade.parameters["beta_s"] == 0.0
+    assert yade.parameters["beta_s"] == 0.0
     assert yade.time_step_s == reference.time_step_s
     # The panel vibrates: 1e-12 m of perturbation moves single samples of the force by 1 %, means of
     # five by 0.3 %.
@@ -178,11 +178,15 @@ TOE = (
 @pytest.mark.long
 def test_a_toe_crushes_alike(tmp_path, in_both):
     """Peak, plateau, crushed length and what is lost; the plateau by hand, of a stress block under
-    the cap's centre."""
+    the cap's centre.
+
+    The third point of the toe comes within 0.1 % of its strength as the wall vibrates: the crushed
+    lengths may differ by it.
+    """
     path = wall_file(tmp_path / "toe.py", TOE)
-    found, thickness, length, height = [], 0.1025, 0.45, 0.9
+    found, crushed, thickness, length, height = [], [], 0.1025, 0.45, 0.9
     for history in in_both(
-        tmp_path, path, "--pushover", 0.3, "--speed", 5e-3, "--fibres", 8, reference=LOCAL
+        tmp_path, path, "--pushover", 0.3, "--speed", 5e-3, reference=LOCAL
     ).values():
         summary, force = summarise(history), history.series["base_shear_n"].to_numpy()
         late = history.series["drift_ratio"] > 1e-3
@@ -190,14 +194,15 @@ def test_a_toe_crushes_alike(tmp_path, in_both):
             [
                 summary["peak_force_n"],
                 summary["fracture_energy_j"],
-                summary["crushed_length_m"],
                 np.mean(force[late]),
             ]
         )
+        crushed.append(summary["crushed_length_m"])
     assert_allclose(*found, rtol=0.02)
+    assert_allclose(*crushed, atol=1.01 * length / 8)
     load = (0.3e6 + 1900 * 9.81 * height) * length * thickness
     assert_allclose(
-        found[0][3], load * (length - load / 1e6 / thickness) / 2 / (height + 0.1), rtol=0.05
+        found[0][2], load * (length - load / 1e6 / thickness) / 2 / (height + 0.1), rtol=0.05
     )
 
 

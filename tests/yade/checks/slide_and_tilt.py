@@ -41,7 +41,7 @@ class Scene:
 
     def step(self):
         O.step()
-        for joint in self.reader.newly_broken():
+        for joint in self.reader.beyond_strength()[0]:
             self.model.loosen(joint)
 
     def move(self, bodies, dx, dz, steps):

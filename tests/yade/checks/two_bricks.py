@@ -42,7 +42,7 @@ def drive(path):
         O.step()  # moves at the step's end ...
         upper.vel = Vector3.Zero
         O.step()  # ... and feels it in the next
-        for broken in scene.newly_broken():
+        for broken in scene.beyond_strength()[0]:
             model.loosen(broken)
         force = sum(
             (
