@@ -154,7 +154,7 @@ def crushed_and_slid(pressing=4000, sliding=400):
 
 def softens(form):
     """Whether the crushing of a form has a fracture energy."""
-    return "compressive_fracture_energy" in FORMS[form][1]
+    return "compressive_fracture_energy" in FORMS[form]
 
 
 def closure(form, deepest):
