@@ -24,7 +24,6 @@ from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from verification import softening
 from verification.block import settle, solver_of
 from verification.problem import SOLVERS, Problem, of_both
 from verification.softening import between, drive, drive_in_yade, pair
@@ -230,11 +229,6 @@ def problems():
             ("... by its own account", lambda done: done.fracture),
         ),
     ):
-        in_yade = (
-            softening.NOT_IN_YADE
-            if form == "softening"
-            else lambda form=form, measure=measure: measure(driven("yade", form))
-        )
         found.append(
             Problem(
                 f"crushing in cycles, {form}",
@@ -247,7 +241,7 @@ def problems():
                     "reference": lambda form=form, measure=measure: measure(
                         driven("reference", form)
                     ),
-                    "yade": in_yade,
+                    "yade": lambda form=form, measure=measure: measure(driven("yade", form)),
                 },
             )
         )
