@@ -139,7 +139,7 @@ FAULTS = [
                 "damage/mechanics/interfaces.py",
                 "line.bx + dbx - 0.5 * dx",
                 "line.bx + dbx",
-                "test_reference",
+                "test_grid",
             ),
             (
                 "step",
