@@ -243,6 +243,11 @@ REFUSED = {
     IN_G + rows(np.delete(0.01 * np.arange(401), 200), PULSE_G, "{:.2f},{:.6f}\n"): (
         "line 202: a step of 0.02 s among 0.01 s"
     ),
+    # one sample is late by a twentieth of the step
+    IN_G
+    + rows(0.01 * np.arange(400) + 5e-4 * (np.arange(400) == 200), PULSE_G, "{:.4f},{:.6f}\n"): (
+        " s among 0.01 s; expected uniform times within 1%"
+    ),
     # AT2
     HEAD + "POINTS 5 STEP .005\n.1 .2\n": ("line 4: 'POINTS 5 STEP .005' gives no NPTS and DT"),
     HEAD + "NPTS= 5, DT= E SEC\n": "gives no NPTS and DT",
