@@ -118,7 +118,6 @@ def cut_tables(layout, interfaces):
         np.searchsorted(interfaces["start"], cuts),
         np.cumsum([0, *map(len, contact)]),
         every,
-        np.full(len(every), 0.25),
         np.array([layout.wall.brick.tensile_strength or 0.0]),
     )
 

@@ -277,7 +277,7 @@ def confine_one(n, tables, cuts, k):
     """`confine` of cut k of one wall."""
     p, sigma = cuts.interface[k], 0.0
     for m in range(cuts.start[k], cuts.start[k + 1]):
-        sigma += cuts.share[m] * rows.reading_of(n, tables.readings, cuts.contact[m]).sigma
+        sigma += 0.25 * rows.reading_of(n, tables.readings, cuts.contact[m]).sigma
     strength = joint_law.diagonal_tension(cuts.strength[n.lane], sigma)
     for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
         states, cohesion = tables.states, strength * tables.contacts[i].area

@@ -426,13 +426,12 @@ class Matrix(NamedTuple):
 @argument
 class Cuts(NamedTuple):
     """Cuts through bricks that can split: interface: (cuts,) row of each; start: (cuts + 1,) first
-    of its rows in contact, (n,) contacts of the bed joints above and below it, and share, (n,) of
-    their normal stress in its vertical stress [-]; strength: (walls,) of the bricks [Pa]."""
+    of its rows in contact, (n,) the up to four contacts of the bed joints above and below it;
+    strength: (walls,) of the bricks [Pa]."""
 
     interface: np.ndarray
     start: np.ndarray
     contact: np.ndarray
-    share: np.ndarray
     strength: np.ndarray
 
 
