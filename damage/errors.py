@@ -30,8 +30,8 @@ def _cut(text):
 
 
 def did_you_mean(word, known):
-    """The end of a message about a word that is not among the known ones: what became of it where
-    it went (`damage.retired`), the nearest of the known ones, or nothing.
+    """Return the end of a message about a word that is not among the known ones: that it was
+    removed and what to use instead (`damage.retired`), the nearest of the known ones, or nothing.
 
     >>> did_you_mean("symetric", ["solid", "symmetric"]), did_you_mean("x", ["solid"])
     ('; did you mean symmetric?', '')

@@ -1,15 +1,16 @@
-"""Names that went: options of commands and runs, keys of studies and walls, fields of histories."""
+"""Names that were removed: options of commands and runs, keys of studies and walls, fields of
+histories."""
 
 from typing import Any, NamedTuple
 
 
 class Retired(NamedTuple):
-    """What is said of a name that went.
+    """What is said of a name that was removed.
 
     Attributes
     ----------
     sentence : str
-        What went, since which version, and what to use instead.
+        What was removed, in which version, and what to use instead.
     default : object
         The value that says in files of older versions what its absence says now.
     """
@@ -20,38 +21,40 @@ class Retired(NamedTuple):
 
 RETIRED = {
     "fibres": Retired(
-        "--fibres went in 0.2; softening joints follow the joint law itself in both solvers: leave"
-        " it out",
+        "--fibres was removed in 0.2; softening joints follow the joint law itself in both"
+        " solvers: leave it out",
         default=0,
     ),
     "perturb": Retired(
-        "--perturb went in 0.2; members of an ensemble differ by --scatter, a share of the joints'"
-        " strengths"
+        "--perturb was removed in 0.2; members of an ensemble differ by --scatter, a share of the"
+        " joints' strengths"
     ),
     "past-collapse": Retired(
-        "--past-collapse went in 0.2; give --new-contacts with --after-fall, which follow bricks"
-        " until they rest"
+        "--past-collapse was removed in 0.2; give --new-contacts with --after-fall, which follow"
+        " bricks until they rest"
     ),
     "opensees": Retired(
-        "--opensees of export went in 0.2; history.joints of a run has each contact point's bodies,"
-        " place, stiffnesses and strengths, docs/guides/other-programs.md what OpenSees calls them"
+        "--opensees of export was removed in 0.2; history.joints of a run has each contact point's"
+        " bodies, place, stiffnesses and strengths, docs/guides/other-programs.md what OpenSees"
+        " calls them"
     ),
     "brick-order": Retired(
-        "--brick-order went in 0.2; deformable bricks have strain modes of order 2: leave it out",
+        "--brick-order was removed in 0.2; deformable bricks have strain modes of order 2: leave it"
+        " out",
         default=2,
     ),
     "plane": Retired(
-        "--plane went in 0.2; deformable bricks are in plane stress: leave it out",
+        "--plane was removed in 0.2; deformable bricks are in plane stress: leave it out",
         default="stress",
     ),
     "brick-mass": Retired(
-        "--brick-mass went in 0.2; the mass of deformable bricks' strain modes is taken 9 times:"
-        " leave it out",
+        "--brick-mass was removed in 0.2; the mass of deformable bricks' strain modes is taken 9"
+        " times: leave it out",
         default=9.0,
     ),
     "brick-cells": Retired(
-        "--brick-cells went in 0.2; deformable bricks have strain modes, in the reference solver:"
-        " give --bricks deformable alone",
+        "--brick-cells was removed in 0.2; deformable bricks have strain modes, in the reference"
+        " solver: give --bricks deformable alone",
         default=0,
     ),
 }

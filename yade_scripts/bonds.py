@@ -2,7 +2,7 @@
 
 YADE's law is their elastic predictor: it is linear up to the strengths that are left, and tells
 when a bond passes them.  In that step the joint law replaces the bond's forces before the bodies
-move, and the bond goes on with the stiffness and the strengths that are left.
+move, and the bond keeps the stiffness and the strengths that are left.
 
 The line between the two members of a bond tilts as the joint slides, and they move apart by the
 square of the slip: the law's force has the axes of the face, and the bond's rest position follows.

@@ -1,4 +1,4 @@
-"""Names that went are refused with what to use instead, wherever a user may give them."""
+"""Names that were removed are refused with what to use instead, wherever a user may give them."""
 
 from dataclasses import dataclass
 
@@ -18,12 +18,16 @@ def test_no_retired_name_is_an_option():
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_on_a_command_line(solver):
-    with pytest.raises(InputError, match=r"--past-collapse; --past-collapse went in 0\.2; give"):
+    with pytest.raises(
+        InputError, match=r"--past-collapse; --past-collapse was removed in 0\.2; give"
+    ):
         parse_run(["--past-collapse"], "", solver)
 
 
 def test_in_python():
-    with pytest.raises(InputError, match="no option perturb: .*; --perturb went in 0.2; members"):
+    with pytest.raises(
+        InputError, match="no option perturb: .*; --perturb was removed in 0.2; members"
+    ):
         damage.run("walls/symmetric.py", perturb=1e-9)
 
 
@@ -32,12 +36,14 @@ def test_in_a_file_of_an_older_version(monkeypatch):
     class Record:
         kept: int = 1
 
-    monkeypatch.setitem(RETIRED, "old-field", Retired("--old-field went in 9.9; give --kept", 4))
+    monkeypatch.setitem(
+        RETIRED, "old-field", Retired("--old-field was removed in 9.9; give --kept", 4)
+    )
     assert record_from(Record, {"kept": 2, "old_field": 4}) == Record(2)
     with heard() as warnings:
         assert record_from(Record, {"kept": 2, "old_field": 5}) == Record(2)
     assert warnings == [
-        "made with old_field = 5 by an older version: --old-field went in 9.9; give --kept"
+        "made with old_field = 5 by an older version: --old-field was removed in 9.9; give --kept"
     ]
     with pytest.raises(InputError, match="a later version wrote it"):
         record_from(Record, {"other": 5})

@@ -90,9 +90,9 @@ def differences(note, inputs):
     """Differences between a note and Inputs, a list of words like "wall.height 0.6 -> 0.45"; empty
     where they agree.
 
-    note: of `as_json`.  A field that the note lacks came with a later version, and one that went
-    (`damage.retired`) was of an older one: both agree at their defaults.  A field that is no input
-    any more does not count.
+    note: of `as_json`.  A field that the note lacks came with a later version, and one that was
+    removed (`damage.retired`) is of an older one: both agree at their defaults.  A field that is no
+    input any more does not count.
     """
     return list(_differing(note, inputs, ""))
 
@@ -137,7 +137,7 @@ def _of_other_versions(values, name):
         if gone is None:
             yield f"{place} of a later version"
         elif value != gone.default:
-            yield f"{place} {_word(value)}, which went"
+            yield f"{place} {_word(value)}, which was removed"
 
 
 def _default(one):

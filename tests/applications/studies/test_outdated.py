@@ -147,7 +147,7 @@ ALTERED = {
 
 
 class TestInputs:
-    def test_an_option_that_went_counts_where_it_was_not_at_its_default(self, tmp_path):
+    def test_an_option_that_was_removed_counts_where_it_was_not_at_its_default(self, tmp_path):
         there = Folder(tmp_path)
         (run,) = there.load().runs
         inputs = inputs_of(run, REPOSITORY)
@@ -156,7 +156,7 @@ class TestInputs:
         model["brick_cells"] = 0
         assert differences(note, inputs) == []
         model["brick_cells"] = 4
-        assert differences(note, inputs) == ["settings.model.brick_cells 4, which went"]
+        assert differences(note, inputs) == ["settings.model.brick_cells 4, which was removed"]
         model["other"] = 1
         assert "settings.model.other of a later version" in differences(note, inputs)
 
