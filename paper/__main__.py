@@ -14,7 +14,7 @@ from pathlib import Path
 from damage.__main__ import add_commands
 from damage.arguments import OneLineParser, file_arg
 from damage.commands.table import JSON, command, out, output
-from damage.errors import InputError
+from damage.errors import InputError, did_you_mean
 from damage.files import json_text, shipped_files, write_text
 
 PROGRAMS = (
@@ -53,6 +53,13 @@ def _run(arguments):
     if arguments and arguments[0] in PROGRAMS:
         sys.argv = [f"python3 -m paper {arguments[0]}", *arguments[1:]]
         return import_module(f"paper.{arguments[0]}").main() or 0
+    known = [*COMMANDS, "studies", *PROGRAMS]
+    if arguments and not arguments[0].startswith("-") and arguments[0] not in known:
+        raise InputError(
+            f"no command {arguments[0]!r}: expected one of {', '.join(known)} (the commit of a"
+            " program that was removed is in docs/tables/benchmarks/README.md)"
+            f"{did_you_mean(arguments[0], known)}"
+        )
     parser = OneLineParser(
         prog="python3 -m paper",
         allow_abbrev=False,

@@ -1,6 +1,8 @@
 """The verdict on the paper, on made-up tables: a world in which all holds, and one change at a
 time."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,6 +12,7 @@ from damage.index import COMPONENTS
 from paper.__main__ import main
 from paper.criteria import AMPLITUDES_G, CLAIMS, CYCLE_LENGTHS_S, PERIODS_S, SCALES
 from paper.readings import judge_readings
+from paper.report import STATEMENTS
 from paper.verdict import DIFFERS, HOLDS, UNJUDGED, judge
 from scripts.documents import judge_tables
 from scripts.keep_tables import keep
@@ -294,3 +297,17 @@ def test_each_reading_is_judged_by_its_own_runs(papers_world, judged, tmp_path, 
     }
     said = output_of("readings", tmp_path, of=main)
     assert "0.3 MPa in the piers: gains P4; loses nothing." in said
+
+
+def test_the_command_prints_every_claim(papers_world, judged, tmp_path, output_of):
+    judged(papers_world)
+    words = ("verdict", tmp_path, "--markdown", tmp_path / "verdict.md", "--json")
+    said = json.loads(output_of(*words, of=main))
+    assert [one["statement"] for one in said["statements"]] == list(STATEMENTS)
+    assert len(said["claims"]) == len(CLAIMS)
+    assert (tmp_path / "verdict.md").read_text().count("\n| P") == 17
+
+
+def test_a_program_that_was_removed_is_refused_with_where_it_is(error_of):
+    said = error_of("mass_scaling", of=main)
+    assert "no command 'mass_scaling'" in said and "docs/tables/benchmarks/README.md" in said
