@@ -88,7 +88,8 @@ def make(package, state, beta=0.0, size=None):
         )
 
     layout = of("wall.layout").lay_out(wall_of(of("wall.parameters"), size, state))
-    step = 0.643 * of("law.modes", "wall.modes").natural_modes(layout).critical_time_step_s
+    modes = of("linear.modes", "law.modes", "wall.modes").natural_modes(layout)
+    step = 0.643 * modes.critical_time_step_s
     wall = of("reference.wall").ReferenceWall(layout, step)
     wall.local_damping = 0.7
     wall.run(round((0.3 if size is None else 0.01) / step))

@@ -4,7 +4,7 @@ balance is credible.
     python3 benchmarks/random_runs.py [--runs 500] [--first 0] [--csv FILE]
 
 Each seed draws a small wall (bricks, joints, openings, gable, floors, soil and other model options,
-from the plausible values of `damage.wall.plausible`) and a short motion.  It runs by the command
+from the plausible values of `damage.house.plausible`) and a short motion.  It runs by the command
 line and by `damage.run`.
 A run is faulty where their histories differ in any bit, where the energy balance error is above the
 limit and one of them does not warn, or where one of them is refused or fails and the other is not.

@@ -16,7 +16,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.motion.loading import Harmonic
 from damage.reference.wall import ReferenceWall
 from damage.run.schedule import STEP_FACTOR

@@ -8,7 +8,7 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 
 from yade import O
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.run.schedule import STEP_FACTOR
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out

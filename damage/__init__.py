@@ -17,7 +17,7 @@ _HOMES = {
         ("Brick", "Joint", "Opening", "Wall", "brick_of_masonry"), "damage.wall.parameters"
     ),
     "ModelOptions": "damage.wall.model_options",
-    "check_plausible": "damage.wall.plausible",
+    "check_plausible": "damage.house.plausible",
     "Floor": "damage.wall.floors",
     "Lintel": "damage.wall.lintels",
     "masonry": "damage.wall.materials",

@@ -12,7 +12,18 @@ from damage.version import VERSION
 
 HERE = Path(__file__).parent
 RANGES = "data/ranges/ranges.csv"
-MODEL = ["*", "law", "mechanics", "motion", "run", "wall", "measure/energy.py", RANGES]
+MODEL = [
+    "*",
+    "house",
+    "law",
+    "linear",
+    "mechanics",
+    "motion",
+    "run",
+    "wall",
+    "measure/energy.py",
+    RANGES,
+]
 """Folders of this package, one module that ends runs, and a table, which decide the values of a run
 in any solver; "*": the modules beside this one.  Applications add what decides the runs that they
 make possible, as the motions that they draw."""

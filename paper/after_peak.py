@@ -19,7 +19,7 @@ import pandas as pd
 from damage import Joint, Wall, brick_of_masonry
 from damage.applications.cracks import capacity
 from damage.applications.cracks.pushed import FIGURES, SPECIMENS, read_test
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.energy import DISSIPATED
 from damage.measure.summary import summarise
 from damage.wall import layout as layouts

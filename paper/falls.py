@@ -24,7 +24,7 @@ from matplotlib.collections import PolyCollection
 from damage.draw import style
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.run.monitor import fastest_fallen, lowest_places
 from damage.run.settings import RESTS_BELOW_M_S
 from damage.wall.geometry import body_corners, body_table

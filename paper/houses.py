@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import damage
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.wall.layout import lay_out
 from damage.wall.materials import MATERIALS

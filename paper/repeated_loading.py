@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 from damage import Joint, Opening, Wall, brick_of_masonry
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.cracks import PSI_FROM, crack_table, psi
 from damage.mechanics.tables import RIGID, Z
 from damage.reference.solver import ReferenceSolver

@@ -18,7 +18,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from damage import Brick, Joint, Wall
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.energy import energy_error_of
 from damage.motion.intensity import response_spectrum
 from damage.motion.record import Record, scaled

@@ -14,7 +14,7 @@ import numpy as np
 
 from damage.applications.cracks.compare import compare_joints
 from damage.applications.cracks.patterns import compare_patterns
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out

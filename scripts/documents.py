@@ -25,11 +25,11 @@ from damage.applications.studies.read import read_table
 from damage.errors import InputError
 from damage.fields import short
 from damage.files import write_text
+from damage.house.plausible import RANGES as WALL_RANGES
 from damage.measure.columns import MADE_BY, RUN
 from damage.measure.evidence import QUANTITIES
 from damage.measure.summary import MEASURES
 from damage.motion.plausible import RANGES as MOTION_RANGES
-from damage.wall.plausible import RANGES as WALL_RANGES
 from paper import report
 from paper.verdict import judge
 from scripts import gallery

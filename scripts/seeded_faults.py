@@ -72,7 +72,7 @@ FAULTS = [
             (
                 "wall",
                 "the critical time step is half as long",
-                "damage/law/modes.py",
+                "damage/linear/modes.py",
                 "down_to_three_digits(2 / np.sqrt(one))",
                 "down_to_three_digits(1 / np.sqrt(one))",
                 "test_modes",
@@ -424,7 +424,7 @@ FAULTS = [
             (
                 "house",
                 "a floor is half as heavy",
-                "damage/wall/house_layout.py",
+                "damage/house/layout.py",
                 "mass = floor.mass_per_area * length * across",
                 "mass = floor.mass_per_area * length * across / 2",
                 "test_house",
@@ -432,7 +432,7 @@ FAULTS = [
             (
                 "house",
                 "a corner's joints are as stiff as their points alone",
-                "damage/wall/corners.py",
+                "damage/house/corners.py",
                 "span[k, v] * su * sv",
                 "span[k, v] * su * su",
                 "test_house",

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

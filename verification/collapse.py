@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.reference.wall import ReferenceWall
 from damage.run.schedule import STEP_FACTOR
 from damage.units import GRAVITY

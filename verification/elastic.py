@@ -25,7 +25,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
-from damage.law.modes import natural_modes, stiffness_matrix
+from damage.linear.modes import natural_modes, stiffness_matrix
 from damage.measure.cycles import natural_period
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out

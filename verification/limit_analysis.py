@@ -25,7 +25,7 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix, csr_matrix, hstack, vstack
 
 from damage.errors import InputError
-from damage.law.modes import contact_normals, kinematic_rows
+from damage.linear.modes import contact_normals, kinematic_rows
 from damage.units import GRAVITY
 
 _INFEASIBLE, _UNBOUNDED = 2, 3  # of scipy.optimize.linprog

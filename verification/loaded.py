@@ -2,8 +2,8 @@
 
 The eigenvalue of the springs alone leaves out that the load leans with the wall.  The stiffness of
 the loaded wall is the derivative of the contacts' forces at rest, taken by central differences of
-the reference solver's forces: of a tower of weight W on springs it is k - W/h.  `damage.law.modes`,
-without gravity, is met to 1e-11.
+the reference solver's forces: of a tower of weight W on springs it is k - W/h.
+`damage.linear.modes`, without gravity, is met to 1e-11.
 """
 
 import math
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from damage.history.reader import read_history
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY

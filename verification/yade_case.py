@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import numpy as np
 from yade import O, PyRunner, Quaternion, Vector3
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.cycles import natural_period
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY

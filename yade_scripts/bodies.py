@@ -1,7 +1,7 @@
 """Bodies of a wall in YADE's scene: bricks as clumps of boxes, members of bonds, the tips and faces
 of contact points that have failed, corners, and supports.
 
-Bodies are built in the wall's plane, those of a house (`damage.wall.space`) in that of its walls
+Bodies are built in the wall's plane, those of a house (`damage.house.space`) in that of its walls
 unfolded, and then placed.  A house has all six freedoms.  There all tips and corners are parts of
 the clumps from the start: YADE finds the principal axes of a clump anew when parts are added, as
 eigenvectors that may be a left-handed set, and then turns it wrongly.

@@ -42,10 +42,10 @@ def _run(make_wall, path, engines):
         import yade
 
         import damage.applications  # noqa: F401, each adds its options
+        from damage.house.house import House
         from damage.provenance import shown_path
         from damage.run.session import run_session
         from damage.wall.file import wall_of
-        from damage.wall.house import House
         from damage.wall.parameters import Wall
         from yade_scripts.opened import Scene, engines_beside, name_of, prompt
     except ImportError as error:

@@ -13,7 +13,7 @@ from yade_scripts.scene import SceneReader
 
 class SpaceReader(SceneReader):
     """As SceneReader; a body's six coordinates are those of its wall, as of
-    `damage.wall.space.Space.rows`: along it, upwards, rotation from x towards z, across, rotations
+    `damage.house.space.Space.rows`: along it, upwards, rotation from x towards z, across, rotations
     about the axes along and upwards."""
 
     def __init__(self, model):

@@ -7,7 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))  # YADE does not look here by itself
 
 if __name__ == "__main__":
-    from damage.wall.house import read_wall_or_house
+    from damage.house.house import read_wall_or_house
     from yade_scripts.run import main
 
     del sys.argv[0]  # the wall's file stands for the script from here on

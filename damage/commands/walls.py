@@ -7,7 +7,11 @@ from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import JSON, WALL, command, out, output, program, save, show
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import json_text
-from damage.law.modes import natural_modes
+from damage.house.coarser import in_units
+from damage.house.house import is_house, read_house
+from damage.house.layout import lay_out_house
+from damage.house.plausible import check_plausible
+from damage.linear.modes import natural_modes
 from damage.motion import intensity
 from damage.motion.loading import PERIODS_S
 from damage.motion.plausible import (
@@ -21,14 +25,10 @@ from damage.provenance import shown_path
 from damage.run.motion_options import PREPARATION, recorded
 from damage.run.options import ACCEPTING, UNITS, model_arguments, model_of
 from damage.wall import as_built, materials
-from damage.wall.coarser import in_units
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
-from damage.wall.house import is_house, read_house
-from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
-from damage.wall.plausible import check_plausible
 
 
 @command(

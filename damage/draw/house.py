@@ -28,10 +28,10 @@ from damage.history.moments import (
     joint_states,
     nearest_snapshot,
 )
+from damage.house.placing import FACES
 from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
 from damage.wall.geometry import kinds_of_bodies
 from damage.wall.kinds import TINY
-from damage.wall.placing import FACES
 
 COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.BLACK, style.ORANGE
 LINES = [(colour, line) for line in ("-", "--", ":", "-.") for colour in COLOURS]
@@ -39,7 +39,7 @@ LINES = [(colour, line) for line in ("-", "--", ":", "-.") for colour in COLOURS
 SIDES = np.array(
     [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [3, 2, 6, 7], [0, 3, 7, 4], [1, 2, 6, 5]]
 )
-"""Corners of the sides of a box, as of `damage.wall.placing.BOX`."""
+"""Corners of the sides of a box, as of `damage.house.placing.BOX`."""
 ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
 """Where one looks from: above the horizon, and beside the normal of the first wall."""
 AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house

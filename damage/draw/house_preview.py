@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from damage.draw import style
 from damage.draw.panels import PAGE_WIDTH
 from damage.draw.preview import PAPER, draw_preview
+from damage.house.house import outline
 from damage.wall.geometry import body_table, joint_table
-from damage.wall.house import outline
 from damage.wall.kinds import SLAB_COURSE, TINY
 from damage.wall.plan import plan_of
 

@@ -193,7 +193,7 @@ VISIBLE_SHARE = 0.08  # largest drawn displacement of a mode over the height of 
 def modes_picture(layout, modes):
     """Figure of the mode shapes with their periods, two in a row, over the undeformed outline.
 
-    layout: damage.wall.layout.Layout; modes: damage.law.modes.Modes of it.
+    layout: damage.wall.layout.Layout; modes: damage.linear.modes.Modes of it.
     """
     n = len(modes.period_s)
     rows, ratio = -(-n // 2), layout.wall.built_height / layout.wall.length

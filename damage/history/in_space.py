@@ -8,8 +8,8 @@ import numpy as np
 import scipy  # spatial where it is used: it starts slowly
 
 from damage.history.reader import History
+from damage.house.placing import BOX
 from damage.wall.geometry import tributary_ends
-from damage.wall.placing import BOX
 
 
 @dataclass(frozen=True)

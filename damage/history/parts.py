@@ -7,8 +7,8 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.history.contacts import Contacts
+from damage.house.placing import FACES
 from damage.wall.geometry import in_one_layer
-from damage.wall.placing import FACES
 
 
 class HouseRows(NamedTuple):

@@ -17,14 +17,14 @@ from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
 from damage.history.parts import HouseRows, face_of, wall_of
+from damage.house.placing import placing_of
+from damage.house.space import SHARES
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
 from damage.motion.loading import loading_from_dict
 from damage.units import rounded
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
-from damage.wall.placing import placing_of
 from damage.wall.plan import plan_of
-from damage.wall.space import SHARES
 
 
 def _at_all_joints(name):
@@ -229,7 +229,7 @@ class History:
 
     @cached_property
     def placing(self):
-        """`damage.wall.placing.Placing` of the walls of a house."""
+        """`damage.house.placing.Placing` of the walls of a house."""
         return placing_of(self.parameters["house"]["walls"])
 
     def slip_by(self, slip):

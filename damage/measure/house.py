@@ -5,11 +5,11 @@ import numpy as np
 import pandas as pd
 
 from damage.history.schema import Column, measure
+from damage.house.placing import FACES
 from damage.measure.cracks import PSI_FROM, psi_history, psi_summary
 from damage.measure.damage_index import index_columns
 from damage.measure.energy import energy_measures
 from damage.units import MILLIMETRE, rounded
-from damage.wall.placing import FACES
 
 _OF = "only of a wall of a house: "
 WALLS = {

@@ -5,8 +5,8 @@ import hashlib
 
 import numpy as np
 
-from damage.law.blocks import factorised
-from damage.law.modes import elastic_key, joint_stiffness, kept, mass_vector
+from damage.linear.blocks import factorised
+from damage.linear.modes import elastic_key, joint_stiffness, kept, mass_vector
 from damage.mechanics.scaling import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 from damage.wall.soil import radiation_times
@@ -42,8 +42,8 @@ def matrix_of(masses, width):
 
 class ScaledMass:
     """Mass matrix of a wall with selective mass scaling; key: of all that it depends on; whole: of
-    all bodies, as damage.law.blocks.Blocks, in which prescribed velocities are coupled to no other;
-    matrix: its Matrix, without room."""
+    all bodies, as damage.linear.blocks.Blocks, in which prescribed velocities are coupled to no
+    other; matrix: its Matrix, without room."""
 
     def __init__(self, key, layout, time_step, beta, held, of):
         self.key, self.beta, self.of = key, beta, of

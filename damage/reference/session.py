@@ -9,7 +9,7 @@ import numba
 
 from damage.errors import one_line
 from damage.history.writer import HistoryWriter
-from damage.law.modes import inside_lintels
+from damage.linear.modes import inside_lintels
 from damage.memory import hold_buffers
 from damage.provenance import shown_path
 from damage.reference.ensembles import move

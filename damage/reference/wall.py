@@ -10,7 +10,7 @@ import numpy as np
 
 from damage.elementary import sin, total
 from damage.errors import RunError
-from damage.law.modes import static_displacement
+from damage.linear.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import (
     CAPACITY,

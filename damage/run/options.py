@@ -20,12 +20,12 @@ from damage.arguments import (
 )
 from damage.errors import InputError, did_you_mean
 from damage.fields import option_of
+from damage.house.plausible import ACCEPT
 from damage.motion.settlement import PROFILES
 from damage.provenance import shown_command
 from damage.run.motion_options import MOTION_GROUPS, motion_of, settlement_of
 from damage.run.settings import AFTER_FALL_S, RELAXATIONS, RunSettings, rayleigh_factors
 from damage.wall.model_options import ModelOptions
-from damage.wall.plausible import ACCEPT
 
 _EXAMPLES = {
     "reference": (
@@ -85,7 +85,7 @@ UNITS = arg(
     metavar=("BRICKS", "COURSES"),
     help=(
         "the wall in larger units of so many bricks and courses, as stiff, strong and tough, with"
-        " fewer cracks: for many runs (damage.wall.coarser; default 1 1)"
+        " fewer cracks: for many runs (damage.house.coarser; default 1 1)"
     ),
 )
 PAST = "the wall's past"

@@ -8,7 +8,7 @@ import numpy as np
 from damage.elementary import total
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
-from damage.law.modes import first_mode, mass_vector
+from damage.linear.modes import first_mode, mass_vector
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.motion.loading import mean_velocities

@@ -56,7 +56,7 @@ def _is_compared(settings, wall):
 
 def schemes(settings, wall, modes, decay_1_s=0.0):
     """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted;
-    wall: damage.Wall, its `damage.law.modes.Modes` and `damage.wall.soil.fastest_decay` [1/s].
+    wall: damage.Wall, its `damage.linear.modes.Modes` and `damage.wall.soil.fastest_decay` [1/s].
     Raises InputError where steps with mass scaling are no longer than explicit ones, or longer than
     was shown."""
     critical_s, masonry_s = modes.critical_time_step_s, modes.masonry_time_step_s

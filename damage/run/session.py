@@ -16,7 +16,11 @@ from damage.errors import InputError, RunError, warn
 from damage.history.buffer import Buffer
 from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
-from damage.law.modes import Modes, natural_modes
+from damage.house.coarser import in_units
+from damage.house.drawn import drawn, ranges
+from damage.house.house import House, masonry_of
+from damage.house.layout import lay_out_house
+from damage.linear.modes import Modes, natural_modes
 from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, outside
 from damage.memory import hold_buffers
@@ -37,10 +41,6 @@ from damage.run.schedule import check_size, check_top, deformable_warnings, soft
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
-from damage.wall.coarser import in_units
-from damage.wall.drawn import drawn, ranges
-from damage.wall.house import House, masonry_of
-from damage.wall.house_layout import lay_out_house
 from damage.wall.layout import Layout, lay_out
 from damage.wall.soil import fastest_decay
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from damage.checks import check_range
 from damage.errors import InputError
 from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
+from damage.house.plausible import ACCEPT, check_plausible
 from damage.motion.intensity import pga_g, pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
 from damage.motion.plausible import implausible_motion, implausible_peak, implausible_velocity
@@ -15,7 +16,6 @@ from damage.motion.record import MOST_SCALE
 from damage.motion.sequence import Event, as_table
 from damage.motion.settlement import Settlement
 from damage.wall.model_options import ModelOptions
-from damage.wall.plausible import ACCEPT, check_plausible
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
@@ -75,7 +75,7 @@ class RunSettings:
     alpha_1_s, beta_s: damping proportional to mass [1/s] and stiffness [s] in dynamics, beta_s None
     for what the joints need (`for_joint`); mass_scaling: None for what suits the wall
     (`damage.run.scheme`);
-    units: bricks and courses of which one unit stands (`damage.wall.coarser`);
+    units: bricks and courses of which one unit stands (`damage.house.coarser`);
     relaxation, settling: how static solutions are found, and how a wall settles after a motion;
     checkpoint_s: computing time between two checkpoints [s], infinity for one at an interruption
     only; resumed: history of this very run, which continues from its checkpoint, or None; out:

@@ -1,1 +1,1 @@
-"""The wall: its parameters, layout, geometry, natural modes, and the joint law."""
+"""The plane wall: its parameters, layout, geometry and contact points."""

@@ -114,8 +114,8 @@ class Layout:
     drift_bodies: bricks of the plan's drift course whose centres stand over piers; drift_height [m]
     of them.
     supports: below the base.
-    strain: of the bricks where they deform, else None; space: `damage.wall.space.Space` of a house,
-    None of a plane wall.
+    strain: of the bricks where they deform, else None; space: `damage.house.space.Space` of a
+    house, None of a plane wall.
     """
 
     wall: Wall

@@ -37,7 +37,7 @@ class ModelOptions:
         them: each joint between two bricks has one lognormal factor of mean 1 on tensile strength
         and cohesion.
     inputs: the wall as "given", or what its user does not know drawn by strength_seed from ranges
-        (`damage.wall.drawn`): of a wall whose masonry was "tested", or of "typical" masonry.
+        (`damage.house.drawn`): of a wall whose masonry was "tested", or of "typical" masonry.
     supports: "one" below the whole wall, or one below each brick of the base ("bricks"), whose
     forces the history has.
     soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a

@@ -22,7 +22,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from damage.wall.eigen import eigen
+from damage.eigen import eigen
 
 DENSITY, POISSON_RATIO = 1800.0, 0.4
 """Of the soil that radiates [kg/m3, -]: wet clay and sand."""

@@ -17,9 +17,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from damage.eigen import eigen, rotate
 from damage.errors import InputError
 from damage.rounded import to_bits
-from damage.wall.eigen import eigen, rotate
 
 ORDER = 2
 """Of the polynomials: the least that bends bricks; of order 3, which doubles the modes, walls of

@@ -26,7 +26,7 @@ from damage.csv_table import read_csv
 from damage.errors import InputError
 from damage.fields import Column
 from damage.files import LONGEST_LINE
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.motion.record import Record, band_passed
 from damage.reference.session import run_reference
 from damage.run.options import make_parser, parse_run

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 
 from damage.applications.studies.records import record_of
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.brick_stress import (
     bricks_table,
     principal_stresses,

@@ -20,7 +20,7 @@ from damage.law.joint_law import (
     elastic_energy,
     range_left,
 )
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.reference.wall import ReferenceWall

@@ -6,7 +6,7 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.monitor import unbalanced_force

@@ -17,7 +17,8 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 
 from damage.draw.run import save_all
-from damage.law.modes import (
+from damage.eigen import eigen
+from damage.linear.modes import (
     mass_vector,
     natural_modes,
     static_displacement,
@@ -29,7 +30,6 @@ from damage.reference.solver import ReferenceSolver
 from damage.run.banner import describe_brick
 from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
-from damage.wall.eigen import eigen
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions

@@ -7,8 +7,8 @@ import pytest
 from short_runs import HOUSE, SMALL
 
 from damage import Brick, Joint, Wall, run
-from damage.law.modes import natural_modes
-from damage.wall.drawn import INPUTS, Range, drawn, ranges
+from damage.house.drawn import INPUTS, Range, drawn, ranges
+from damage.linear.modes import natural_modes
 from damage.wall.layout import lay_out
 from damage.wall.restraints import Restraint
 

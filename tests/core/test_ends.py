@@ -9,8 +9,8 @@ import pytest
 from conftest import total_energy
 from numpy.testing import assert_allclose
 
-from damage.law.modes import natural_modes
 from damage.law.states import ENDED, ENDING, FAILED
+from damage.linear.modes import natural_modes
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY

@@ -11,16 +11,16 @@ from conftest import one_line_error, refused_with
 
 from damage.applications.groningen.exposure.lives import Choices
 from damage.fields import check_fields, choice, implausible_fields, option_of, quantity
+from damage.house.house import Corner, Diaphragm, House, Placed
+from damage.house.ties import Ties
 from damage.motion.loading import Harmonic, TopDisplacement
 from damage.run.settings import RunSettings
 from damage.wall.file import wall_schema
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
-from damage.wall.house import Corner, Diaphragm, House, Placed
 from damage.wall.lintels import Lintel
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.restraints import Restraint
-from damage.wall.ties import Ties
 
 
 @dataclass(frozen=True)

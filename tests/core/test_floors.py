@@ -9,7 +9,7 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
-from damage.law.modes import contact_normals, natural_modes, static_displacement
+from damage.linear.modes import contact_normals, natural_modes, static_displacement
 from damage.measure.damage_index import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY

@@ -18,8 +18,8 @@ from test_deformable import orders
 from test_soil import periods
 from test_widths import everything
 
-from damage.law.modes import natural_modes
 from damage.law.states import BROKEN, CRUSHED, ENDED
+from damage.linear.modes import natural_modes
 from damage.mechanics.tables import INPUT
 from damage.motion.loading import FreeVibration
 from damage.reference.lanes import run_together

@@ -8,18 +8,18 @@ from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
 import damage
-from damage.law.modes import natural_modes, stiffness_matrix
+from damage.house.drawn import drawn, ranges
+from damage.house.house import Corner, Diaphragm, House, Placed, outline, read_house
+from damage.house.layout import JOIST_M2, JOIST_PA, lay_out_house
+from damage.house.ties import Ties
+from damage.linear.modes import natural_modes, stiffness_matrix
 from damage.motion.settlement import Settlement
-from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall
 from damage.wall.floors import Floor
-from damage.wall.house import Corner, Diaphragm, House, Placed, outline, read_house
-from damage.wall.house_layout import JOIST_M2, JOIST_PA, lay_out_house
 from damage.wall.kinds import BED, GROUND, SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
-from damage.wall.ties import Ties
 
 BOX = REPOSITORY / "houses/box.toml"
 TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}

@@ -6,7 +6,7 @@ import pytest
 from small_history import make_history
 
 from damage.history.in_memory import HistoryInMemory
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.run.banner import wall_lines

@@ -9,7 +9,7 @@ import pytest
 from conftest import one_line_error
 from numpy.testing import assert_allclose
 
-from damage.law.modes import natural_modes, static_displacement
+from damage.linear.modes import natural_modes, static_displacement
 from damage.run.banner import wall_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY

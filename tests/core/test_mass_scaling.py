@@ -12,7 +12,8 @@ from scipy.sparse.linalg import splu
 
 import damage
 from damage.errors import InputError, RunError
-from damage.law.modes import Modes, inside_lintels, mass_vector, natural_modes, stiffness_matrix
+from damage.house.drawn import drawn, ranges
+from damage.linear.modes import Modes, inside_lintels, mass_vector, natural_modes, stiffness_matrix
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.tables import DAMPING
 from damage.reference.lanes import run_together
@@ -21,7 +22,6 @@ from damage.run import monitor, scheme
 from damage.run.monitor import Borne
 from damage.run.options import parse_run
 from damage.run.schedule import STEP_FACTOR
-from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall
 from damage.wall.kinds import LINTEL_COURSE
 from damage.wall.layout import lay_out

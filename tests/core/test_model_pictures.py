@@ -14,7 +14,7 @@ from damage.__main__ import main
 from damage.applications.cracks.compare_picture import JOINTS, compare_picture, joint_agreement
 from damage.applications.report.animation import choose_snapshots, write_film
 from damage.draw.preview import modes_picture
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 
 
 def test_agreement_of_joints(tmp_path):

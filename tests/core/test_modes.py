@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, splu
 
-from damage.law.modes import (
+from damage.linear.modes import (
     first_mode,
     mass_vector,
     natural_modes,
@@ -97,8 +97,8 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
             return found * (1 + 1e-10)
         return found[0] * (1 + 1e-12), -found[1]
 
-    monkeypatch.setattr("damage.law.modes.eigsh", otherwise)
-    monkeypatch.setattr("damage.law.modes._KEPT", {})
+    monkeypatch.setattr("damage.linear.modes.eigsh", otherwise)
+    monkeypatch.setattr("damage.linear.modes._KEPT", {})
     found = natural_modes(layout)
     assert np.array_equal(found.shape, wanted.shape) and np.array_equal(
         found.period_s, wanted.period_s

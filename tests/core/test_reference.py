@@ -5,7 +5,7 @@ import pytest
 from conftest import rigid_turn
 from numpy.testing import assert_allclose
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.reference.solver import ReferenceSolver

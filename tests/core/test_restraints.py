@@ -11,7 +11,7 @@ from conftest import refused_with, written
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import brentq
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.mechanics.tables import FRICTION
 from damage.reference.lanes import run_together
 from damage.reference.solver import ReferenceSolver

@@ -16,7 +16,7 @@ from damage.applications.cracks.compare import compare, describe
 from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
 from damage.history.reader import read_history
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures

@@ -10,7 +10,7 @@ from conftest import refused_with
 from scipy.linalg import eigh
 
 import damage
-from damage.law.modes import mass_vector, natural_modes, stiffness_matrix
+from damage.linear.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.energy import energy_error_of
 from damage.run.options import parse_run

@@ -8,9 +8,9 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 
 import damage
-from damage.law.modes import natural_modes
-from damage.wall.coarser import coarser, in_units
-from damage.wall.house import House, Placed
+from damage.house.coarser import coarser, in_units
+from damage.house.house import House, Placed
+from damage.linear.modes import natural_modes
 from damage.wall.kinds import BED, HEAD
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Opening, Wall

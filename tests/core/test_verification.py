@@ -8,7 +8,7 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.motion.loading import Harmonic
 from damage.wall.file import load_wall
 from damage.wall.layout import lay_out

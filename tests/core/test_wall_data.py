@@ -15,13 +15,13 @@ from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
 from damage.__main__ import main
 from damage.draw.preview import wall_preview
 from damage.files import json_text
+from damage.house.plausible import implausible
 from damage.wall.file import wall_from, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.materials import FORMATS, MATERIALS, as_dict
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import ENERGIES
-from damage.wall.plausible import implausible
 
 TEXT = """
 name = "house"

@@ -17,8 +17,8 @@ from numba import njit
 from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 
-from damage.law.modes import natural_modes
 from damage.law.states import ENDED, FAILED
+from damage.linear.modes import natural_modes
 from damage.mechanics import bodies, samples, step
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.simd import (

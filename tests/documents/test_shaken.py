@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from paper import shaken_wall

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from damage.house.house import Diaphragm, House, Placed
+from damage.house.layout import lay_out_house
 from damage.law.joint_law import (
     INTACT,
     SHEAR,
@@ -15,8 +17,6 @@ from damage.law.joint_law import (
     advance,
     material_of,
 )
-from damage.wall.house import Diaphragm, House, Placed
-from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
 from damage.wall.parameters import Brick, Joint, Wall

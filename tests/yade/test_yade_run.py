@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 import damage
 from damage.errors import InputError
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.wall.file import load_wall

@@ -13,11 +13,11 @@ from scipy.sparse.linalg import spsolve
 
 from damage.history.in_space import InSpace
 from damage.history.reader import read_history
-from damage.law.modes import stiffness_matrix
+from damage.house.house import read_house
+from damage.house.layout import lay_out_house
+from damage.linear.modes import stiffness_matrix
 from damage.measure.energy import energy_error
 from damage.run.checkpoint import checkpoint_path, read_checkpoint
-from damage.wall.house import read_house
-from damage.wall.house_layout import lay_out_house
 
 pytestmark = pytest.mark.yade
 

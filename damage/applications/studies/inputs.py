@@ -15,11 +15,11 @@ import json
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 
 from damage.checks import check_file
+from damage.house.coarser import in_units
 from damage.motion.record import Record
 from damage.retired import retired
 from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
-from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 

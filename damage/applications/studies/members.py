@@ -20,6 +20,7 @@ from damage.applications.studies.tasks import Task
 from damage.applications.studies.worker import work
 from damage.errors import warn
 from damage.history.reader import read_history
+from damage.house.coarser import in_units
 from damage.measure.tables import write_table
 from damage.measure.warnings import energy_warnings
 from damage.reference.session import BACKEND
@@ -27,7 +28,6 @@ from damage.run.report import report
 from damage.run.session import announce, check, output_of, plan_of
 from damage.run.settings import SCATTER
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
-from damage.wall.coarser import in_units
 
 OF_MEMBERS = "members", "seed", "scatter", "out", "overwrite", "no-pictures", "quiet"
 """Options of a run with members that its members have otherwise."""

@@ -66,7 +66,7 @@ from damage.applications.studies import folder
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import read_records
 from damage.history.reader import read_history
-from damage.law.modes import Modes
+from damage.linear.modes import Modes
 from damage.measure.cracks import ENDS
 from damage.measure.evidence import QUANTITIES
 from damage.motion.settlement import PROFILES

@@ -17,11 +17,11 @@ from damage.draw.run import JOINT_COLOURS
 from damage.draw.style import new_figure
 from damage.history.in_space import InSpace
 from damage.history.reader import read_history
+from damage.house.house import Corner, House, Placed, read_house
+from damage.house.layout import lay_out_house
 from damage.measure.house import corner_joints, corners_table, walls_table
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_table, write_run_tables
-from damage.wall.house import Corner, House, Placed, read_house
-from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import SLAB_COURSE
 from damage.wall.parameters import Brick, Wall
 

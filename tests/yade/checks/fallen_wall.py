@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.run.monitor import have_fallen, lowest_places
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY

@@ -11,7 +11,7 @@ import numpy as np
 if __name__ == "__main__":  # in YADE, which does not look here by itself
     sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.run.schedule import sample_steps
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY

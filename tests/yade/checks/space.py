@@ -27,18 +27,18 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 from yade import O, Quaternion, Vector3
 
-from damage.law.modes import natural_modes, stiffness_matrix
+from damage.house.house import Corner, Diaphragm, House, Placed
+from damage.house.layout import lay_out_house
+from damage.house.ties import Ties
+from damage.linear.modes import natural_modes, stiffness_matrix
 from damage.reference.solver import ReferenceSolver
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
-from damage.wall.house import Corner, Diaphragm, House, Placed
-from damage.wall.house_layout import lay_out_house
 from damage.wall.kinds import SLAB_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.restraints import Restraint
-from damage.wall.ties import Ties
 from yade_scripts.solver import YadeSolver
 
 

@@ -34,12 +34,12 @@ from damage.arguments import fraction
 from damage.errors import InputError, some_of, warn
 from damage.files import json_text, write_text
 from damage.history.reader import read_history
+from damage.house.coarser import coarser
+from damage.house.drawn import drawn, ranges
 from damage.measure.evidence import evidence_for, names_outside
 from damage.measure.summary import summarise
 from damage.run.options import settings_of
 from damage.wall.as_built import warn_of_courses
-from damage.wall.coarser import coarser
-from damage.wall.drawn import drawn, ranges
 from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -59,7 +59,7 @@ class Claim:
     `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file
     of cracks; options: of each run; settlement: options of a settlement of known shape and size, {}
     for none that is known; draws: their number, None for as many as the intervals or an answer
-    need; language: of the sheet; units: bricks and courses of a unit (`damage.wall.coarser`)."""
+    need; language: of the sheet; units: bricks and courses of a unit (`damage.house.coarser`)."""
 
     wall: str
     address: dict

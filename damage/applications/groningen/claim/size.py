@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.applications.studies.folder import ROOT
+from damage.house.coarser import in_units
 from damage.reference.session import BACKEND, STATIC_S
 from damage.run.session import check, plan_of
-from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
 
 RATES = 2e7, 2e8

@@ -10,11 +10,11 @@ unit turns another value into zero.
 
 from damage.errors import InputError
 from damage.fields import implausible_fields, message_of, plausible, ranges_of
+from damage.house.house import Diaphragm, House
+from damage.house.ties import Ties
 from damage.wall.floors import Floor
-from damage.wall.house import Diaphragm, House
 from damage.wall.lintels import Lintel
 from damage.wall.parameters import Brick, Joint, Opening, Wall
-from damage.wall.ties import Ties
 
 ACCEPT = "--accept-implausible"
 """The option by which a command accepts all values as given."""

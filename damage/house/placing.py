@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damage.wall.house import Placed
+from damage.house.house import Placed
 from damage.wall.parameters import Wall
 
 FACES = "outside", "inside"

@@ -15,14 +15,9 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.fields import MOST_SEED
-from damage.rounded import to_bits
-from damage.wall.corners import joined_at, makes_room_for, with_loads
-from damage.wall.floors import Floor
-from damage.wall.house import outline
-from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
-from damage.wall.layout import Cells, Supports, lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.space import (
+from damage.house.corners import joined_at, makes_room_for, with_loads
+from damage.house.house import outline
+from damage.house.space import (
     SHARES,
     THROUGH,
     Points,
@@ -34,6 +29,11 @@ from damage.wall.space import (
     with_points,
     without,
 )
+from damage.rounded import to_bits
+from damage.wall.floors import Floor
+from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
+from damage.wall.layout import Cells, Supports, lay_out
+from damage.wall.model_options import ModelOptions
 
 GAP_M = 0.5
 """Between two walls that are unfolded."""

@@ -15,7 +15,7 @@ from scipy.sparse import diags
 from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
-from damage.law.blocks import factorised, sum_of_products
+from damage.linear.blocks import factorised, sum_of_products
 from damage.rounded import down_to_three_digits, to_bits
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, LINTEL_COURSE

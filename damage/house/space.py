@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.house.house import House
 from damage.wall.contact_points import Contacts
-from damage.wall.house import House
 from damage.wall.kinds import GROUND, rows
 from damage.wall.layout import Supports
 
@@ -120,9 +120,12 @@ class Space:
         return np.column_stack(found)
 
     def rows(self, contacts, bodies, direction):
-        """`damage.law.modes.kinematic_rows` in space, (2, n_contacts, 6): of a body's displacement
-        along its wall, upwards and rotation from x towards z, displacement across and rotations
-        about the axes along and upwards; direction: 0 to 2, an axis of the contact points."""
+        """`damage.linear.modes.kinematic_rows` in space, (2, n_contacts, 6).
+
+        Of a body's displacement along its wall, upwards and rotation from x towards z,
+        displacement across and rotations about the axes along and upwards; direction: 0 to 2, an
+        axis of the contact points.
+        """
         found = np.zeros((2, len(contacts), 6))
         for row, body, sign in ((found[0], contacts.first, -1.0), (found[1], contacts.second, 1.0)):
             moving = np.flatnonzero(body >= 0)

@@ -35,7 +35,7 @@
     tension = 1500
     compression = 1000
 
-Its runs are YADE's: `./yade HOUSE.toml`.  `damage.wall.house_layout` lays it out.
+Its runs are YADE's: `./yade HOUSE.toml`.  `damage.house.layout` lays it out.
 """
 
 from dataclasses import dataclass, replace
@@ -46,12 +46,12 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.fields import check_fields, choice, quantity
+from damage.house.ties import Ties, spans_between
 from damage.toml_file import read_toml
 from damage.wall.file import MOST_MB, load_wall, read_wall, user_record
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.kinds import TINY
 from damage.wall.parameters import LONGEST_M, Wall
-from damage.wall.ties import Ties, spans_between
 
 KINDS_OF_CORNERS = "toothed", "butted"
 

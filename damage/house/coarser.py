@@ -19,7 +19,7 @@ import math
 from dataclasses import replace
 
 from damage.errors import InputError
-from damage.wall.house import House
+from damage.house.house import House
 from damage.wall.parameters import nearest
 from damage.wall.plan import plan_of
 

@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 
 from damage.errors import InputError
+from damage.house.space import SHARES, THROUGH, Points, boxes, with_points
 from damage.rounded import to_bits
 from damage.wall.kinds import BED, GROUND, HEAD, TINY
-from damage.wall.space import SHARES, THROUGH, Points, boxes, with_points
 
 
 def makes_room_for(layout, one, other, kind):

@@ -10,9 +10,9 @@ import pandas as pd
 from damage.draws import Draws
 from damage.elementary import atan, exp, log, tan
 from damage.errors import InputError
+from damage.house.house import House
 from damage.provenance import HERE, RANGES
 from damage.rounded import to_bits
-from damage.wall.house import House
 
 INPUTS = (
     "stiffness",

@@ -1,0 +1,1 @@
+"""Intact walls and houses: stiffness in blocks, masses, static displacements, natural modes."""
