@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from damage.history.reader import read_history
+from damage import Wall, read_history
 from damage.history.schema import GROUND, HOUSE
 from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN, ENDED
 from damage.motion.loading import FreeVibration, Harmonic, TopDisplacement
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
 
 STAGES_21 = ("motion",) * 10 + ("rest",) * 6 + ("settling",) * 5
 CYCLIC = TopDisplacement((0.2,), cycles=3, speed_m_s=0.02)

@@ -8,12 +8,11 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from damage.errors import InputError
+from damage import InputError, ModelOptions
 from damage.units import GRAVITY
 from damage.wall.file import wall_from
 from damage.wall.kinds import BED, CUT, GROUND, HEAD
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 
 SIZES = st.sampled_from([(0.28, 0.1), (0.225, 0.075), (0.21, 0.06), (0.4, 0.2)])
 OUTLINES = (

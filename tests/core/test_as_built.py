@@ -6,14 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import damage
+from damage import Floor, InputError, ModelOptions, read_history
 from damage.__main__ import main
-from damage.errors import InputError
 from damage.measure.summary import summarise
 from damage.wall.as_built import describe_lintels, describe_openings, warn_of_courses, warn_of_slabs
-from damage.wall.floors import Floor
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Brick, Lintel, Opening, Wall, nearest
 from damage.wall.plan import plan_of
 
@@ -118,9 +115,7 @@ def test_runs_modes_and_pictures_say_it(tmp_path, capsys):
             f" {built}" in said.err
         )
         assert words[0] == "draw" or any(line.startswith(built) for line in said.out.splitlines())
-    assert any(
-        built in line for line in summarise(damage.read_history(tmp_path / "a.h5"))["warnings"]
-    )
+    assert any(built in line for line in summarise(read_history(tmp_path / "a.h5"))["warnings"])
 
 
 def test_no_wall_that_ships_is_built_otherwise(shipped_wall):

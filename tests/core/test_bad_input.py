@@ -17,13 +17,13 @@ import pytest
 from conftest import REPOSITORY, one_line_error, refused_with, run_command, wall_file, written
 from small_history import make_history, small_layout
 
+from damage import Brick, InputError, Joint, ModelOptions, Opening, Wall, load_wall
 from damage.__main__ import main
 from damage.applications.cracks import crack_mapping
 from damage.applications.cracks.crack_file import read_cracks
 from damage.applications.cracks.dic import read_field
 from damage.applications.studies.definition import load_study
 from damage.csv_table import read_csv
-from damage.errors import InputError
 from damage.fields import Column
 from damage.files import LONGEST_LINE
 from damage.linear.modes import natural_modes
@@ -32,10 +32,7 @@ from damage.reference.session import run_reference
 from damage.run.options import make_parser, parse_run
 from damage.run.paths import free_name
 from damage.run.schedule import check_size, choose_time_step
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 SYMMETRIC = REPOSITORY / "walls" / "symmetric.py"
 RECORD = str(REPOSITORY / "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv")

@@ -11,17 +11,15 @@ from numpy.testing import assert_array_equal
 from short_runs import SMALL
 
 import damage
+from damage import InputError, Joint, Opening, Wall, read_history
 from damage.applications.cracks.options import Surveyed
-from damage.errors import InputError
-from damage.history.reader import read_history
 from damage.measure.summary import summarise
 from damage.run.initial_state import without_bond
 from damage.run.options import parse_run
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Opening, Wall
 
 SHAKE = {"harmonic": (0.06, 0.6), "rest": 0.1}
-SOFT = damage.Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)
+SOFT = Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)
 
 
 def halves(folder, wall, **options):

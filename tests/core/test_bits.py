@@ -8,6 +8,7 @@ import pytest
 from conftest import REPOSITORY
 
 import damage
+from damage import ModelOptions, load_wall
 from damage.mechanics.build import build
 from damage.motion.loading import Harmonic, Recorded
 from damage.motion.record import Record
@@ -16,9 +17,7 @@ from damage.reference import bits
 from damage.rounded import down_to_three_digits
 from damage.run.schedule import base_acceleration, stages
 from damage.run.settings import RunSettings
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import softening_energies
 
 SMALL = load_wall(REPOSITORY / bits.SMALL)

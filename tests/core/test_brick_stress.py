@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from small_history import make_history
 
+from damage import Brick, Joint, ModelOptions, Wall
 from damage.applications.studies.records import record_of
 from damage.linear.modes import natural_modes
 from damage.measure.brick_stress import (
@@ -21,8 +22,6 @@ from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import strain_of, stress_by_modes
 
 DEFORMABLE = ModelOptions(bricks="deformable", contacts="gauss")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, SHORT, one_line_error, wall_file, written
 
-import damage
 from benchmarks.same_bits import differences, values
+from damage import load_wall, read_history
 from damage.law.joint_law import ContactState
 from damage.reference.session import run_reference
 from damage.run import run as run_module
@@ -131,7 +131,7 @@ def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
         here = there
     assert in_a_child(words) == 0
     assert differences(values(whole), values(cut)) == [] and not checkpoint_path(cut).exists()
-    first, second = damage.read_history(whole), damage.read_history(cut)
+    first, second = read_history(whole), read_history(cut)
     assert first.parameters == second.parameters and second.complete and len(second.series) > 20
     assert (second.parameters["repeats"] > 0) == (name == "scaled")
 
@@ -186,7 +186,7 @@ def test_another_run_than_that_of_the_checkpoint_is_one_line(
 def test_a_run_of_the_other_solver_is_one_line(interrupted):
     path = interrupted / "cut.h5"
     said = one_line_error(
-        read_earlier, path, lay_out(damage.load_wall(SMALL)), ("yade", "as now"), "--resume", False
+        read_earlier, path, lay_out(load_wall(SMALL)), ("yade", "as now"), "--resume", False
     )
     assert said.startswith(
         f"--resume {path}: a run of the reference solver; expected one of the yade solver"
@@ -223,7 +223,7 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(tmp_path, yade_command):
     wall amplifies."""
     words = (SMALL, "--harmonic", 0.06, 0.6, "--cycles", 2, "--rest", 0.06, "--no-pictures")
     done = yade_command(*SHORT, *words, "--out", tmp_path / "whole.h5", status=0)
-    whole, cut, place = damage.read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
+    whole, cut, place = read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
     kills = 10
     for number in range(kills):
         kind, status = (
@@ -240,7 +240,7 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(tmp_path, yade_command):
     assert done.returncode == 0 and "YADE executes the names of the engines" in done.stderr, (
         done.stderr
     )
-    now, names = damage.read_history(cut), whole.series.select_dtypes("number").columns
+    now, names = read_history(cut), whole.series.select_dtypes("number").columns
     before, after = (history.series[names].fillna(0.0).to_numpy() for history in (whole, now))
     loose = (whole.opening_m > LOOSE).any(axis=1)
     alike = next(iter(np.flatnonzero((after != before).any(axis=1))), len(before))

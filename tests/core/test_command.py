@@ -11,11 +11,11 @@ from types import SimpleNamespace
 import pytest
 from conftest import run_command, wall_file, written
 
+from damage import read_history
 from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
 from damage.commands.table import COMMANDS, PROGRAMS
 from damage.draw import run as pictures
-from damage.history.reader import read_history
 from damage.mechanics import compiled
 from damage.run.options import make_parser
 from damage.version import VERSION

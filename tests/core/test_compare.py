@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from pytest import approx
 from small_history import make_history
 
+from damage import Wall
 from damage.applications.cracks.compare import cohens_kappa, compare, compare_drift, describe
 from damage.applications.cracks.patterns import (
     compare_patterns,
@@ -17,7 +18,6 @@ from damage.applications.cracks.patterns import (
     places_of,
 )
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
 
 N = 1200
 TIME = 1e-3 * np.arange(N)

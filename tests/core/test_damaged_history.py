@@ -13,12 +13,11 @@ from small_history import make_history
 from test_history import open_writer, write_samples
 
 import damage
+from damage import InputError, load_wall, read_history
 from damage.__main__ import main
-from damage.errors import InputError
 from damage.history.head import HEAD_BYTES, read_head, seal
 from damage.history.info import DAMAGED, ENDED_EARLY, OPEN, WHOLE, check
 from damage.history.schema import SCHEMA_VERSION
-from damage.wall.file import load_wall
 
 FINISHED, KILLED = "finished", "killed"
 
@@ -76,7 +75,7 @@ def altered(path, what):
 
 
 def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
-    head, history = read_head(finished), damage.read_history(finished)
+    head, history = read_head(finished), read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
     text = finished.read_bytes()[:HEAD_BYTES].decode()
     assert text.startswith(
@@ -117,7 +116,7 @@ def test_a_damaged_history_is_refused(change, complaint, finished):
     whole = finished.read_bytes()
     finished.write_bytes(change(whole))
     assert finished.read_bytes() != whole
-    refused_with(complaint, damage.read_history, finished)
+    refused_with(complaint, read_history, finished)
 
 
 def test_what_no_run_closed_has_no_end_whatever_it_says(tmp_path, monkeypatch):
@@ -126,7 +125,7 @@ def test_what_no_run_closed_has_no_end_whatever_it_says(tmp_path, monkeypatch):
     writer = open_writer(tmp_path / "a.h5")
     write_samples(writer, 5)
     writer.finish("complete")
-    history = damage.read_history(tmp_path / "stopped.h5")
+    history = read_history(tmp_path / "stopped.h5")
     assert history.status == "unfinished" and len(history.series) == 5
 
 
@@ -134,17 +133,17 @@ def test_a_live_history_is_read_apart_and_alike(tmp_path):
     writer = open_writer(tmp_path / "a.h5")
     write_samples(writer, 130)
     writer.flush()
-    growing = damage.read_history(tmp_path / "a.h5")
+    growing = read_history(tmp_path / "a.h5")
     writer.finish("complete")
-    whole = damage.read_history(tmp_path / "a.h5")
+    whole = read_history(tmp_path / "a.h5")
     assert growing.status == "unfinished" and whole.complete
     assert growing.series.equals(whole.series) and growing.joints.equals(whole.joints)
     assert (growing.opening_m == whole.opening_m).all()
 
 
 def test_a_dataset_that_no_schema_names_yet_is_left_alone(finished):
-    whole = damage.read_history(finished)
-    history = damage.read_history(
+    whole = read_history(finished)
+    history = read_history(
         altered(finished, lambda file: file.create_dataset("series/later_m", data=[1.0]))
     )
     assert history.series.equals(whole.series)
@@ -202,5 +201,5 @@ def test_a_second_run_on_one_history_is_refused(overwrite, tmp_path):
         open_writer(path, overwrite=overwrite)
     write_samples(writer, 3, first=3)
     writer.finish("complete")
-    assert len(damage.read_history(path).series) == 6
+    assert len(read_history(path).series) == 6
     open_writer(path, overwrite=True).finish("complete")

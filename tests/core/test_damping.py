@@ -6,6 +6,7 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
+from damage import Joint, Wall
 from damage.linear.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
@@ -15,7 +16,6 @@ from damage.run.schedule import STEP_FACTOR
 from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Joint, Wall
 
 STRONG = Joint(tensile_strength=1e12, cohesion=1e12)
 

@@ -4,10 +4,10 @@ reproduce."""
 import numpy as np
 import pytest
 
+from damage import Wall
 from damage.draws import Draws
 from damage.wall.contact_points import scattered
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
 
 EDGE = 3.654152885361009
 """Where the ziggurat's tail begins."""

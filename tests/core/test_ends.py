@@ -9,14 +9,13 @@ import pytest
 from conftest import total_energy
 from numpy.testing import assert_allclose
 
+from damage import Brick, Joint, ModelOptions, Wall
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.linear.modes import natural_modes
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Wall
 
 LENGTH, HEIGHT = 0.1125, 0.075
 DRY = {"tensile_strength": 0.0, "cohesion": 0.0}

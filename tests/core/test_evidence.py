@@ -9,7 +9,7 @@ from math import atan
 import pytest
 from conftest import run_here, wall_file
 
-import damage
+from damage import Floor, Joint, Wall, evidence_of
 from damage.applications.report.report import page
 from damage.history.info import info
 from damage.measure.evidence import describe, evidence_for, outside
@@ -21,10 +21,8 @@ SHAKEN = {
     "sequence": [1.0],
     "rest_s": 1.0,
 }
-WALL = damage.Wall("w", 2.0, 2.0)
-HOUSE = damage.Wall(
-    "house", 6.2, 5.6, precompression=0.0, joint=damage.Joint(friction_angle=atan(0.82))
-)
+WALL = Wall("w", 2.0, 2.0)
+HOUSE = Wall("house", 6.2, 5.6, precompression=0.0, joint=Joint(friction_angle=atan(0.82)))
 RESULT = {
     "max_drift_ratio": 0.001,
     "max_offset_mm": 1.0,
@@ -36,7 +34,7 @@ RESULT = {
     "split_length_m": 0.0,
     "energy_error_fraction": 1e-4,
 }
-DRY = damage.Joint(tensile_strength=0.0, cohesion=0.0)
+DRY = Joint(tensile_strength=0.0, cohesion=0.0)
 RECORD = {"kind": "record", "scale": 1.0, "vertical": None}
 
 
@@ -83,9 +81,9 @@ def test_a_house_is_outside_in_four_quantities():
         ("precompression of dry joints", {"wall": replace(WALL, joint=DRY)}),
         (
             "storeys",
-            {"wall": replace(WALL, floors=[damage.Floor(1.05, 200.0), damage.Floor(2.025, 200.0)])},
+            {"wall": replace(WALL, floors=[Floor(1.05, 200.0), Floor(2.025, 200.0)])},
         ),
-        ("cohesion of mortar joints", {"wall": replace(WALL, joint=damage.Joint(cohesion=0.1e6))}),
+        ("cohesion of mortar joints", {"wall": replace(WALL, joint=Joint(cohesion=0.1e6))}),
         ("shear failures of brittle joints", {"result": {"tension_breaks": 4, "shear_breaks": 5}}),
         ("split or crushed length", {"result": {"split_length_m": 0.1}}),
         ("period of a harmonic motion", {"loading": SHAKEN["loading"] | {"period_s": 0.05}}),
@@ -118,10 +116,7 @@ def test_what_rounding_of_inputs_adds_to_a_limit_is_inside():
 
 
 def test_limits_are_inside_and_what_does_not_apply_is_neither():
-    assert (
-        names_outside(replace(WALL, length=4.05, joint=damage.Joint(friction_angle=atan(0.63))))
-        == []
-    )
+    assert names_outside(replace(WALL, length=4.05, joint=Joint(friction_angle=atan(0.63)))) == []
     found = evidence_for(WALL, {"loading": {"kind": "pushover"}})
     assert found["rest after the motion"]["inside"] is found["drift"]["inside"] is None
 
@@ -154,7 +149,7 @@ def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypa
     words = line.partition("quantities: ")[2].replace("), ", "); ")
     assert summary_row(history)["outside_validity"] == shown["outside_validity"] == words
     assert info(history)["results"]["outside_validity"] == words
-    table = damage.evidence_of(history)
+    table = evidence_of(history)
     assert table.index[[one is False for one in table["inside"]]].tolist() == [
         "precompression of mortar joints",
         "length",

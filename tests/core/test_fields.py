@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields, replace
 import pytest
 from conftest import one_line_error, refused_with
 
+from damage import Brick, Joint, Lintel, ModelOptions, Opening, Wall
 from damage.applications.groningen.exposure.lives import Choices
 from damage.fields import check_fields, choice, implausible_fields, option_of, quantity
 from damage.house.house import Corner, Diaphragm, House, Placed
@@ -17,9 +18,6 @@ from damage.motion.loading import Harmonic, TopDisplacement
 from damage.run.settings import RunSettings
 from damage.wall.file import wall_schema
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
-from damage.wall.lintels import Lintel
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.restraints import Restraint
 
 

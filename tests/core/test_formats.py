@@ -14,6 +14,7 @@ import pytest
 from conftest import REPOSITORY, one_line_error, refused_with, wall_file, written
 from numpy.testing import assert_allclose
 
+from damage import Wall
 from damage.__main__ import main
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.inputs import as_json, differences
@@ -27,7 +28,6 @@ from damage.motion.sequence import read_sequence
 from damage.run.banner import record_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
-from damage.wall.parameters import Wall
 
 STEP_S = 0.005
 TIME_S = STEP_S * np.arange(400)

@@ -14,7 +14,7 @@ import pytest
 from conftest import REPOSITORY, refused_with
 from numpy.testing import assert_allclose
 
-import damage
+from damage import Brick, ModelOptions, Opening, Wall, read_history
 from damage.history.schema import GROUND, SCHEMA_VERSION
 from damage.history.writer import HistoryWriter
 from damage.law.states import AT_LIMIT, BROKEN
@@ -29,8 +29,6 @@ from damage.motion.loading import (
 )
 from damage.run.settings import RunSettings
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Opening, Wall
 
 LAYOUT = lay_out(Wall("small", 0.45, 0.15))
 PARAMETERS = {"loading": Harmonic(0.2, 0.05).as_dict(), "wall": LAYOUT.wall.as_dict()}
@@ -66,7 +64,7 @@ def test_round_trip(tmp_path):
     writer.event(0.5, 4, "opened", opening=1.1e-4)
     writer.snapshot(0.2, np.ones((len(LAYOUT.bodies), 3)))
     writer.finish("complete")
-    history = damage.read_history(tmp_path / "a.h5")
+    history = read_history(tmp_path / "a.h5")
     assert history.complete and history.collapsed_at_s is None
     assert history.wall == "small" and history.solver == "yade" and history.versions["yade"] == "0"
     assert history.parameters == PARAMETERS | {"wall": history.parameters["wall"]}
@@ -109,7 +107,7 @@ def test_a_history_gives_its_records_back(tmp_path, loading):
         versions={},
         parameters={"wall": wall.as_dict(), **settings.as_dict(), "time_step_s": 2e-5},
     ).finish("complete")
-    history = damage.read_history(tmp_path / "a.h5")
+    history = read_history(tmp_path / "a.h5")
     assert (history.loading, history.model, history.masonry_wall) == (loading, model, wall)
     assert (history.sequence, history.time_step_s, history.eigen_period_s) == (
         (1.0, 0.5),
@@ -186,7 +184,7 @@ def test_what_was_flushed_is_whole_after_sigkill(tmp_path):
     os.kill(child.pid, signal.SIGKILL)
     child.wait()
     child.stdout.close()
-    history = damage.read_history(path)
+    history = read_history(path)
     n = len(history.series)
     assert history.status == "unfinished" and n >= 16 * 20
     assert_allclose(history.series.time_s, 0.1 * np.arange(n))
@@ -213,7 +211,7 @@ def test_overwrite_replaces_histories_alone(make, tmp_path):
 def test_what_is_no_history_is_refused(tmp_path, make, complaint):
     path = tmp_path / "a.h5"
     make(path)
-    refused_with(complaint, damage.read_history, path)
+    refused_with(complaint, read_history, path)
 
 
 @pytest.mark.parametrize(
@@ -227,6 +225,6 @@ def test_another_schema_is_refused(version, remedy, tmp_path):
     path.write_bytes(f"masonry-damage-history {version}\n".encode() + content[len(head) :])
     refused_with(
         f"schema version {version}, this software reads {SCHEMA_VERSION}; {remedy}",
-        damage.read_history,
+        read_history,
         path,
     )

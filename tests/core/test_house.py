@@ -7,19 +7,15 @@ import pytest
 from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
-import damage
+from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, load_wall
 from damage.house.drawn import drawn, ranges
 from damage.house.house import Corner, Diaphragm, House, Placed, outline, read_house
 from damage.house.layout import JOIST_M2, JOIST_PA, lay_out_house
 from damage.house.ties import Ties
 from damage.linear.modes import natural_modes, stiffness_matrix
 from damage.motion.settlement import Settlement
-from damage.wall.file import load_wall
-from damage.wall.floors import Floor
 from damage.wall.kinds import BED, GROUND, SLAB_COURSE
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Wall
 
 BOX = REPOSITORY / "houses/box.toml"
 TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
@@ -50,7 +46,7 @@ def test_a_cantilever_vibrates_out_of_plane_as_a_beam():
 
 
 def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_piers():
-    door = damage.Opening(left=0.4, width=0.8, height=0.8)
+    door = Opening(left=0.4, width=0.8, height=0.8)
     one = Wall("one", 1.6, openings=(door,), lintel="concrete", **ASHLAR | {"height": 1.2})
     other = Wall("other", 1.2, base_course="half", **ASHLAR | {"height": 1.2})
     places = (
@@ -259,7 +255,7 @@ def _cavity(per_area=6.25, y=0.3, **outer):
 def test_ties_join_the_units_of_two_leaves_at_the_same_place():
     """Four columns and two rows: each takes its stiffness where the outer leaf moves away, and none
     where it moves along; a window in one leaf takes away one."""
-    window = damage.Opening(left=0.8, width=0.4, height=0.4, sill=0.4)
+    window = Opening(left=0.8, width=0.4, height=0.4, sill=0.4)
     for outer, number in (({}, 8), ({"openings": (window,)}, 7)):
         house = _cavity(**outer)
         tied, loose = (lay_out_house(one) for one in (house, replace(house, ties=())))
@@ -278,7 +274,7 @@ def test_ties_join_the_units_of_two_leaves_at_the_same_place():
 def test_ties_without_two_leaves_at_their_place_are_refused_with_it():
     assert "more than the thickness of 0.2 m" in one_line_error(_cavity, y=0.0)
     assert "at (1.6, 0.1) m: expected a cavity" in one_line_error(_cavity, y=0.1)
-    window = damage.Opening(left=0.4, width=0.8, height=0.4, sill=0.2)
+    window = Opening(left=0.4, width=0.8, height=0.4, sill=0.2)
     assert "as at (0.800, 0.000, 0.400) m" in one_line_error(
         lambda: lay_out_house(_cavity(0.5, openings=(window,)))
     )

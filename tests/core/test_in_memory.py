@@ -9,13 +9,13 @@ import pytest
 from conftest import run_command
 from small_history import make_history
 
+from damage import read_history
 from damage.applications.studies.records import record_of
 from damage.applications.studies.worker import HistoryKept
 from damage.history import in_memory
 from damage.history.contacts import Contacts
 from damage.history.in_memory import HistoryInMemory
 from damage.history.info import check
-from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter
 from damage.index import damage_index
 from damage.measure.tables import joints_table

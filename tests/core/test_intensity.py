@@ -9,7 +9,7 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy import integrate, signal
 
-from damage.errors import InputError
+from damage import InputError
 from damage.files import DATA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import (

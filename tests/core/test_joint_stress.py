@@ -10,7 +10,7 @@ from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 from short_runs import SMALL
 
-from damage import Brick, Joint, Lintel, Opening, Wall
+from damage import Brick, Joint, Lintel, ModelOptions, Opening, Wall
 from damage.measure.joint_stress import (
     contact_forces,
     sections_table,
@@ -20,7 +20,6 @@ from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 
 BRICK = Brick(0.2, 0.1, 0.1)
 PIER = Wall(

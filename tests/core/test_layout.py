@@ -5,10 +5,9 @@ import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
 
+from damage import Brick, ModelOptions, Opening, Wall
 from damage.wall.kinds import BED, CAP, GROUND, HEAD
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Opening, Wall
 
 BRICK = 0.225
 

@@ -9,10 +9,9 @@ from conftest import refused_with
 from environments import environment
 from numpy.testing import assert_allclose
 
+from damage import Brick, Joint, ModelOptions, Opening, Wall
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 from verification.collapse import collapse_multiplier, falls_of, find_by_falls
 from verification.dry_walls import FRICTION, OPTIONS, PUBLISHED, WALLS, ask, examine, lay, main
 from verification.limit_analysis import balance, body_load, collapse_load, flow, top_load

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from small_history import make_history
 
+from damage import ModelOptions, Opening, Wall
 from damage.history.in_memory import HistoryInMemory
 from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
@@ -15,8 +16,6 @@ from damage.run.report import describe
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.lintels import LARGE_SHARE, elastic_share, warn_of_share
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Opening, Wall
 
 DOOR = Wall("door", 1.8, 0.6, (Opening(0.45, 0.9, 0.45),), lintel="courses")
 """Eight bricks by eight courses, a door of four bricks by six courses in it."""

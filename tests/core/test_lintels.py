@@ -9,17 +9,15 @@ import pytest
 from conftest import one_line_error
 from numpy.testing import assert_allclose
 
+from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes, static_displacement
 from damage.run.banner import wall_lines
 from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.file import wall_from
-from damage.wall.floors import Floor
 from damage.wall.kinds import ARCH_COURSE, CUT, HEAD, LINTEL_COURSE
 from damage.wall.layout import lay_out
 from damage.wall.lintels import USUAL, Lintel
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.plan import plan_of
 from verification.collapse import settled_wall
 

@@ -9,6 +9,7 @@ import pytest
 from conftest import total_energy
 from scipy.integrate import quad
 
+from damage import Brick, Joint, Wall
 from damage.mechanics import collisions
 from damage.mechanics.collisions import (
     INSIDE,
@@ -18,7 +19,6 @@ from damage.mechanics.tables import FRICTION, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, Wall
 
 LENGTH, HEIGHT = 0.225, 0.075
 

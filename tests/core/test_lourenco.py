@@ -5,12 +5,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from damage import ModelOptions, Wall
 from damage.mechanics.tables import READINGS
 from damage.reference.wall import ReferenceWall
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Wall
 from verification.limit_analysis import collapse_load
 from verification.lourenco import (
     LENGTH,

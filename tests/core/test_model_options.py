@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 
+from damage import Wall
 from damage.applications.studies.read import read_table
 from damage.measure.tables import write_table
 from damage.motion.loading import Harmonic
@@ -15,7 +16,6 @@ from damage.run.options import parse_run, settings_of, words_of
 from damage.run.paths import free_name
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
-from damage.wall.parameters import Wall
 from paper.evidence import SHAPE
 from paper.study_figures import choice
 

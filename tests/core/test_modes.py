@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, splu
 
+from damage import ModelOptions, Opening, Wall
 from damage.linear.modes import (
     first_mode,
     mass_vector,
@@ -19,8 +20,6 @@ from damage.linear.modes import (
 from damage.units import GRAVITY
 from damage.wall.kinematics import ContactKinematics
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Opening, Wall
 from damage.wall.restraints import Restraint
 
 PERIODS_S = {"solid": 0.0637, "symmetric": 0.2003, "asymmetric": 0.1745}

@@ -12,12 +12,12 @@ from numpy.testing import assert_allclose
 from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, ended
 from test_widths import ACTIONS, act, make
 
+from damage import Joint, ModelOptions, Opening, Wall, warnings_of
 from damage.draw.run import has_heap
 from damage.draw.wall import shape_at
 from damage.errors import RunError
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.linear.modes import natural_modes
-from damage.measure.warnings import warnings_of
 from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
@@ -25,8 +25,6 @@ from damage.run.monitor import fastest_fallen
 from damage.run.settings import RESTS_BELOW_M_S
 from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Joint, Opening, Wall
 from paper.falls import depth
 
 pair = partial(test_ends.pair, new_contacts=True)

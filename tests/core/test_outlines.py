@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from damage import Brick, Opening, Wall
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Opening, Wall
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
 GABLE = ((0.0, 0.4), (0.8, 1.2), (1.6, 0.4))

@@ -15,6 +15,7 @@ from PIL import Image
 from small_history import make_history, small_layout
 
 import damage
+from damage import ModelOptions, Wall
 from damage.draw import run as pictures
 from damage.draw.run import (
     drift_picture,
@@ -33,8 +34,6 @@ from damage.history.moments import JOINT_STATES
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Wall
 
 SINGLE = 1e-6  # relative: frames and snapshots are stored in single precision
 ROUND_OFF = 1e-12  # a few operations in double precision

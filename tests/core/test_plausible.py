@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, one_line_error, wall_file, written
 
+from damage import Brick, Floor, Joint, Lintel, Opening, Wall, load_wall
 from damage.__main__ import main
 from damage.applications.cracks.plausible import implausible_places
 from damage.house.house import Diaphragm, House, Placed
@@ -14,10 +15,6 @@ from damage.house.plausible import PER_LENGTH, RANGES, implausible
 from damage.house.ties import Ties
 from damage.motion.formats import shipped_record_path
 from damage.run.options import parse_run
-from damage.wall.file import load_wall
-from damage.wall.floors import Floor
-from damage.wall.lintels import Lintel
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 SOFTENING = Joint(
     mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6

@@ -5,14 +5,13 @@ import pytest
 from conftest import rigid_turn
 from numpy.testing import assert_allclose
 
+from damage import Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Joint, Opening, Wall
 
 SMALL = Wall(
     name="small", length=1.35, height=0.9, openings=[Opening(0.45, 0.45, 0.6)], lintel="courses"

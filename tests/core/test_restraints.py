@@ -11,6 +11,7 @@ from conftest import refused_with, written
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import brentq
 
+from damage import Brick, Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes
 from damage.mechanics.tables import FRICTION
 from damage.reference.lanes import run_together
@@ -18,9 +19,7 @@ from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.file import wall_from
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from damage.wall.new import as_toml
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 from damage.wall.restraints import THICK_M, Restraint
 
 THICK, WIDTH, DENSITY = 0.21, 1.292, 1885.0

@@ -11,7 +11,7 @@ from short_runs import RUNS
 from small_history import small_layout
 
 import damage
-from damage.history.reader import read_history
+from damage import read_history
 from damage.history.writer import HistoryWriter
 from damage.measure.summary import summarise
 from damage.motion.loading import mean_velocities

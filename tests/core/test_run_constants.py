@@ -9,7 +9,7 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 from small_history import small_layout
 
-from damage.errors import InputError
+from damage import InputError
 from damage.law.states import BROKEN, ENDED
 from damage.run import settings as run_settings
 from damage.run.monitor import (

@@ -9,27 +9,27 @@ import pytest
 from conftest import wall_file
 
 import damage
-from damage.history.reader import read_history
+from damage import Brick, Joint, RunWarning, Wall, read_history, warnings_of
 from damage.measure.energy import energy_error_of
 from damage.measure.warnings import push_drag, static_warnings
 from damage.reference.session import run_reference
 from damage.wall.restraints import Restraint
 
-DRY = damage.Wall(
+DRY = Wall(
     "course",
     0.675,
     0.075,
     precompression=0.0,
-    joint=damage.Joint(tensile_strength=0.0, cohesion=0.0),
+    joint=Joint(tensile_strength=0.0, cohesion=0.0),
 )
 """A dry course of three bricks, which bounce and slide within nine steps a period."""
-LIGHT_STRIP = damage.Wall(
+LIGHT_STRIP = Wall(
     "strip",
     0.21,
     2.58,
     precompression=2e3,
-    brick=damage.Brick(length=0.42, height=0.06, thickness=1.29, density=1885),
-    joint=damage.Joint(
+    brick=Brick(length=0.42, height=0.06, thickness=1.29, density=1885),
+    joint=Joint(
         normal_stiffness=4e9,
         shear_stiffness=1.6e9,
         tensile_strength=0.2e6,
@@ -43,23 +43,23 @@ ENERGY = "energy balance error 3.* % of the input, expected up to 1 %"
 
 
 def codes_of(history):
-    return [one.code for one in damage.warnings_of(history)]
+    return [one.code for one in warnings_of(history)]
 
 
 def test_python_warns_of_an_energy_balance_error_where_it_was_called(tmp_path):
-    with pytest.warns(damage.RunWarning, match=ENERGY) as caught:
+    with pytest.warns(RunWarning, match=ENERGY) as caught:
         history = damage.run(DRY, **FREE, out=tmp_path / "a.h5")
     assert {one.filename for one in caught} == {__file__}
     assert (
         [str(one.message) for one in caught]
-        == damage.warnings_of(history)
-        == damage.warnings_of(read_history(tmp_path / "a.h5"))
+        == warnings_of(history)
+        == warnings_of(read_history(tmp_path / "a.h5"))
     )
     assert "energy_balance" in codes_of(history)
-    assert {type(text) for text in json.loads(json.dumps(damage.warnings_of(history)))} == {str}
-    assert [
-        one.code for one in pickle.loads(pickle.dumps(damage.warnings_of(history)))
-    ] == codes_of(history)
+    assert {type(text) for text in json.loads(json.dumps(warnings_of(history)))} == {str}
+    assert [one.code for one in pickle.loads(pickle.dumps(warnings_of(history)))] == codes_of(
+        history
+    )
 
 
 def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
@@ -72,7 +72,7 @@ def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
             LIGHT_STRIP, pushover=0.02, speed=speed, contacts="gauss", cells=8, out=out
         )
 
-    with pytest.warns(damage.RunWarning, match="3.8 % of the largest force.*--speed 0.002"):
+    with pytest.warns(RunWarning, match="3.8 % of the largest force.*--speed 0.002"):
         fast = pushed(0.005)
     slow = pushed(0.001)
     assert [push_drag(one) for one in (fast, slow)] == pytest.approx([0.0376, 0.0123], rel=0.02)
@@ -92,7 +92,7 @@ def test_the_command_line_warns_alike(tmp_path, capsys):
     words = [str(wall), "--free-vibration", "--rest", "0.1", "--no-pictures"]
     assert run_reference([*words, "--out", str(tmp_path / "a.h5")]) == 0
     assert capsys.readouterr().err.splitlines() == [
-        f"warning: {text}" for text in damage.warnings_of(read_history(tmp_path / "a.h5"))
+        f"warning: {text}" for text in warnings_of(read_history(tmp_path / "a.h5"))
     ]
     assert (
         run_reference([*words, "--quiet", "--members", "2", "--out", str(tmp_path / "b.h5")]) == 0
@@ -104,25 +104,23 @@ def test_a_smaller_step_balances_the_energy():
     """The error of this course is one of the time step, and falls as its square."""
     coarse, fine = (energy_error_of(damage.run(DRY, dt=step, **FREE)) for step in (2e-5, 1e-5))
     assert coarse < 0.01 and coarse / fine == pytest.approx(4, rel=0.5)
-    assert not [
-        text for text in damage.warnings_of(damage.run(DRY, dt=1e-5, **FREE)) if "energy" in text
-    ]
+    assert not [text for text in warnings_of(damage.run(DRY, dt=1e-5, **FREE)) if "energy" in text]
 
 
 def test_warnings_before_the_run_are_among_them(capsys):
-    pier = damage.Wall("pier", 0.45, 0.3)
-    with pytest.warns(damage.RunWarning, match="deformable with brittle joints"):
+    pier = Wall("pier", 0.45, 0.3)
+    with pytest.warns(RunWarning, match="deformable with brittle joints"):
         history = damage.run(
             pier, harmonic=(0.05, 0.01), cycles=1, rest=0, bricks="deformable", contacts="gauss"
         )
-    assert any("deformable with brittle joints" in text for text in damage.warnings_of(history))
+    assert any("deformable with brittle joints" in text for text in warnings_of(history))
     assert codes_of(history)[0] == "deformable_bricks"
     assert "warning" not in capsys.readouterr().err
 
 
 def test_energy_is_balanced_where_bonds_snap_back():
     """The fracture energy in mode II is below cohesion² / shear stiffness, 361 J/m2."""
-    joint = damage.Joint(
+    joint = Joint(
         3.109e9,
         1.2436e9,
         0.1846,
@@ -131,13 +129,13 @@ def test_energy_is_balanced_where_bonds_snap_back():
         mode_i_fracture_energy=11.82,
         mode_ii_fracture_energy=213.5,
     )
-    wall = damage.Wall(
+    wall = Wall(
         "soft",
         1.83977,
         1.0932,
         precompression=994780.0,
         joint=joint,
-        brick=damage.Brick(0.3752, 0.1822, 0.1551, 686.0, 3.155e9, 2.551e9),
+        brick=Brick(0.3752, 0.1822, 0.1551, 686.0, 3.155e9, 2.551e9),
     )
     assert (
         energy_error_of(damage.run(wall, harmonic=(0.2079, 0.1262), cycles=2, rest=0.1, cells=1))

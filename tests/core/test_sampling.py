@@ -5,18 +5,19 @@ import pytest
 from conftest import one_line_error
 
 import damage
+from damage import Brick, Wall
 from damage.draw.words import run_title
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.run.options import parse_run
 from damage.run.report import describe
 
-STIFF = damage.Wall(
+STIFF = Wall(
     "stiff",
     0.84,
     1.5,
     precompression=0.1e6,
-    brick=damage.Brick(length=0.21, height=0.06, thickness=0.1),
+    brick=Brick(length=0.21, height=0.06, thickness=0.1),
 )
 """Its first period is 0.0508 s: 2.5 steps of 0.02 s."""
 PERIOD_S = 0.0508

@@ -8,9 +8,9 @@ import pytest
 from conftest import one_line_error, refused_with, run_here, written
 from numpy.testing import assert_allclose, assert_array_equal
 
+from damage import History
 from damage.draw.run import sequence_picture
 from damage.draw.words import run_title
-from damage.history.reader import History
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import energy_error
 from damage.measure.tables import summary_row, write_run_tables

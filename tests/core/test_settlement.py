@@ -12,10 +12,10 @@ from numpy.testing import assert_allclose
 from short_runs import SMALL
 
 import damage
+from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, read_history
 from damage.applications.cracks.compare import compare, describe
 from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
-from damage.history.reader import read_history
 from damage.linear.modes import natural_modes
 from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
@@ -33,10 +33,7 @@ from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
-from damage.wall.floors import Floor
 from damage.wall.layout import Supports, lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)

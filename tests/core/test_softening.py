@@ -8,7 +8,7 @@ import pytest
 from conftest import REPOSITORY, refused_with, wall_file
 from pytest import approx
 
-from damage import Joint, Wall, read_history
+from damage import Joint, ModelOptions, Wall, load_wall, read_history
 from damage.law.joint_law import (
     GONE,
     INTACT,
@@ -26,9 +26,7 @@ from damage.reference.session import BACKEND
 from damage.run.options import parse_run
 from damage.run.session import run_session
 from damage.run.settings import SOFTENING_BETA_S
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import softening_energies
 
 KN, KS, FT, C, MU, G1, G2 = 6.557e10, 2.687e10, 0.18e6, 0.21e6, 0.42, 5.0, 50.0

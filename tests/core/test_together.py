@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
 
-from damage.history.reader import read_history
+from damage import read_history
 from damage.mechanics.tables import HAS_FAILED
 from damage.memory import USUAL_CACHE, cache_bytes
 from damage.reference import ensembles, lanes, rest_cache, session

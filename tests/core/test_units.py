@@ -8,12 +8,12 @@ from conftest import refused_with
 from numpy.testing import assert_allclose
 
 import damage
+from damage import Brick, Joint, Opening, Wall
 from damage.house.coarser import coarser, in_units
 from damage.house.house import House, Placed
 from damage.linear.modes import natural_modes
 from damage.wall.kinds import BED, HEAD
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 JOINT = Joint(normal_stiffness=5e10, shear_stiffness=2e10)
 PANEL = Wall("panel", 2.64, 2.7, brick=Brick(0.22, 0.075), joint=JOINT)

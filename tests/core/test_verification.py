@@ -8,9 +8,9 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
+from damage import load_wall
 from damage.linear.modes import natural_modes
 from damage.motion.loading import Harmonic
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from verification import rocking, sliding
 from verification.__main__ import all_problems, main

@@ -11,7 +11,7 @@ import pytest
 from conftest import REPOSITORY, one_line_error, written
 from numpy.testing import assert_allclose
 
-from damage import Brick, Floor, Joint, Opening, Wall, load_wall, masonry
+from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, load_wall, masonry
 from damage.__main__ import main
 from damage.draw.preview import wall_preview
 from damage.files import json_text
@@ -20,7 +20,6 @@ from damage.wall.file import wall_from, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
 from damage.wall.materials import FORMATS, MATERIALS, as_dict
-from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import ENERGIES
 
 TEXT = """

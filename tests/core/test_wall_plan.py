@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from damage.wall.floors import Floor
+from damage import Brick, Floor, Lintel, ModelOptions, Opening, Wall
 from damage.wall.layout import lay_out
-from damage.wall.lintels import Lintel
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Opening, Wall
 from damage.wall.plan import plan_of
 
 HOUSE = Wall(

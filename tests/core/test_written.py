@@ -32,7 +32,7 @@ from conftest import (
 )
 from small_history import make_history
 
-import damage
+from damage import InputError, read_history
 from damage.history.writer import check_output
 from damage.reference.session import run_reference
 from damage.reference.solver import ReferenceSolver
@@ -101,9 +101,9 @@ class TestFullDisk:
             without_progress(done.stderr).splitlines()[-1].startswith(f"error: cannot write {out}")
         )
         if share < 0.1:  # it cannot even begin
-            refused_with("cannot be read as a history", damage.read_history, out)
+            refused_with("cannot be read as a history", read_history, out)
         else:
-            kept = damage.read_history(out)
+            kept = read_history(out)
             n = len(kept.series)
             assert (
                 kept.status == "unfinished" and 0 < n and kept.series.equals(whole.series.iloc[:n])
@@ -123,7 +123,7 @@ class TestFullDisk:
             **limited(resource.RLIMIT_FSIZE, 200_000),
         )
         assert f"error: cannot write {out}" in done.stderr and "Traceback" not in done.stderr
-        kept = damage.read_history(out)
+        kept = read_history(out)
         assert kept.status == "unfinished" and len(kept.series) % 120 == 0 < len(kept.series)
 
     def test_too_little_room_is_reported_before_the_run(self, monkeypatch, tmp_path):
@@ -163,7 +163,7 @@ class TestFullDisk:
         assert run_reference([str(REPOSITORY / SMALL), *words, str(tmp_path / "run.h5")]) == 0
         said = capsys.readouterr().err
         assert "warning: the history is whole, its pictures failed (cannot write" in said
-        assert damage.read_history(tmp_path / "run.h5").complete
+        assert read_history(tmp_path / "run.h5").complete
 
     @ROOT
     @pytest.mark.long
@@ -261,10 +261,7 @@ class TestMemory:
             run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)])
             == 0
         )
-        assert (
-            damage.read_history(out).complete
-            and f"warning: {out} is kept" in capsys.readouterr().err
-        )
+        assert read_history(out).complete and f"warning: {out} is kept" in capsys.readouterr().err
 
     def test_a_run_without_memory_is_reported_and_its_history_says_failed(
         self, monkeypatch, tmp_path, capsys
@@ -282,7 +279,7 @@ class TestMemory:
             run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)])
             == 1
         )
-        assert damage.read_history(out).status == "failed"
+        assert read_history(out).status == "failed"
         assert "error: out of memory (no more to be had)" in capsys.readouterr().err
 
 
@@ -316,7 +313,7 @@ class TestSignals:
         _, printed = process.communicate(timeout=60)
         # the second may meet the summary
         assert process.returncode in {130, -getattr(signal, name)} and "Traceback" not in printed
-        history = damage.read_history(tmp_path / "a.h5")
+        history = read_history(tmp_path / "a.h5")
         assert (
             history.status == ("unfinished" if name == "SIGKILL" else "interrupted")
             and len(history.series) > 0
@@ -349,6 +346,6 @@ def started(words, hangup=signal.SIG_DFL):
 
 def n_samples(path):
     try:
-        return len(damage.read_history(path).series)
-    except damage.InputError:  # not there, or not yet whole
+        return len(read_history(path).series)
+    except InputError:  # not there, or not yet whole
         return 0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from damage import Brick, Joint, Wall
 from damage.house.house import Diaphragm, House, Placed
 from damage.house.layout import lay_out_house
 from damage.law.joint_law import (
@@ -19,7 +20,6 @@ from damage.law.joint_law import (
 )
 from damage.wall.kinds import GROUND
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, Wall
 from yade_scripts.joint_tracker import JointTracker
 
 FIVE_FIFTY = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)

@@ -14,8 +14,8 @@ from conftest import REPOSITORY, one_line_error, run_command, written
 from numpy.testing import assert_allclose
 from test_guides import clone  # noqa: F401
 
+from damage import Joint
 from damage.law.joint_law import Material
-from damage.wall.parameters import Joint
 from yade_scripts import joint_tracker
 from yade_scripts.joint_tracker import check_law
 

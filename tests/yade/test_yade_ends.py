@@ -7,7 +7,7 @@ from conftest import wall_file
 from numpy.testing import assert_allclose
 from test_ends import HEIGHT, LENGTH
 
-import damage
+from damage import read_history
 from damage.measure.summary import summarise
 from damage.units import GRAVITY
 
@@ -95,7 +95,7 @@ def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, y
         ),
     ):
         yade_command(*words, *more, status=0)
-    history = damage.read_history(tmp_path / "second.h5")
+    history = read_history(tmp_path / "second.h5")
     assert history.ended[0].any() and not history.joint_stress_pa[:, history.ended[0]].any()
     area = LENGTH / 2 * history.masonry_wall.brick.thickness  # of a contact point, two a joint
     pressed = -area * history.joint_stress_pa[

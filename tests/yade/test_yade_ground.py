@@ -5,7 +5,7 @@ import pytest
 from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
 
-import damage
+from damage import read_history
 from damage.applications.cracks.compare import compare_drift
 from damage.measure.energy import energy_error_of
 
@@ -86,7 +86,7 @@ def test_a_run_that_continues_starts_from_a_checkpoint_and_says_what_that_execut
         in said
     )
     assert not (folder / "whole.checkpoint").exists()
-    whole, second = (damage.read_history(folder / f"{name}.h5") for name in ("whole", "second"))
+    whole, second = (read_history(folder / f"{name}.h5") for name in ("whole", "second"))
     n = len(second.series)
     assert second.broken[0].any() and n == np.sum(whole.series["shock"] == 2) + 1
     for name in second.series.columns.drop(["time_s", "shock", "stage"]):

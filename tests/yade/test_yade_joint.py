@@ -8,10 +8,10 @@ from conftest import REPOSITORY
 from numpy.testing import assert_allclose
 from scipy.integrate import trapezoid
 
+from damage import Wall
 from damage.law.joint_law import ContactState, LawParameters, Material, advance
 from damage.wall.kinds import BED
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Wall
 from verification import softening
 
 pytestmark = pytest.mark.yade

@@ -5,7 +5,7 @@ import pytest
 from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose
 
-import damage
+from damage import read_history
 from damage.measure.summary import summarise
 
 pytestmark = pytest.mark.yade
@@ -158,7 +158,7 @@ def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command
         tmp_path / "a.h5",
         status=0,
     )
-    history = damage.read_history(tmp_path / "a.h5")
+    history = read_history(tmp_path / "a.h5")
     up, along = (history.joints[f"{name}_stiffness_pa_m"][0] * 0.2 for name in ("normal", "shear"))
     rock = up * 0.6**3 / 12 + spring - 9.81 * history.bodies["mass_kg"].sum() * 0.6
     last = history.series.iloc[-1]
@@ -238,7 +238,7 @@ def test_the_top_is_free_in_a_run_that_continues_after_a_push(tmp_path, yade_com
     yade_command(*words, *push, "--checkpoint", 10, "--out", first, status=0)
     for motion, out in ((("--harmonic", 0.05, 0.1, "--cycles", 1), shaken), (push, again)):
         yade_command(*words, *motion, "--continue", first, "--out", out, status=0)
-    top = damage.read_history(shaken).series["top_displacement_m"]
+    top = read_history(shaken).series["top_displacement_m"]
     assert np.ptp(top) > 1e-5
-    drift = damage.read_history(again).series["drift_ratio"]
+    drift = read_history(again).series["drift_ratio"]
     assert drift.iloc[-1] - drift.iloc[0] == pytest.approx(1e-4, rel=0.1)

@@ -12,12 +12,10 @@ import pytest
 from conftest import REPOSITORY, SHORT, wall_file
 from numpy.testing import assert_allclose
 
-import damage
-from damage.errors import InputError
+from damage import InputError, load_wall, read_history
 from damage.linear.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from yade_scripts import COMMAND
 
@@ -54,7 +52,7 @@ def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp
         *words,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    history = damage.read_history(out)
+    history = read_history(out)
     eigen = natural_modes(lay_out(load_wall(small_wall), history.model)).period_s[0]
     assert_allclose(summarise(history)["period_s"], eigen, rtol=5e-3)
     assert energy_error(history.series) < 5e-3
@@ -71,7 +69,7 @@ def shaken(yade_command, small_wall, tmp_path_factory):
     out = tmp_path_factory.mktemp("shaken") / "small.h5"
     motion = ("--harmonic", 0.03, 1.5, "--cycles", 2, "--rest", 0.02)
     yade_command(*SHORT, small_wall, *motion, "--no-pictures", "--out", out, status=0)
-    return damage.read_history(out)
+    return read_history(out)
 
 
 def test_deformable_bricks_are_refused(yade_command, small_wall):
@@ -115,7 +113,7 @@ class TestDamagedWall:
 def count_samples(path):
     """Of a history that may not be there yet, or still be locked while its datasets are made."""
     try:
-        return len(damage.read_history(path).series)
+        return len(read_history(path).series)
     except InputError:
         return 0
 
@@ -190,7 +188,7 @@ def ended(request, tmp_path_factory, yade_command):
         now,
         child.returncode,
         log.read_text(),
-        damage.read_history(out),
+        read_history(out),
     )
 
 
@@ -233,7 +231,7 @@ def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
         "--no-pictures",
     )
     assert done.returncode == 0 and "collapsed at" in done.stdout
-    history = damage.read_history(out)
+    history = read_history(out)
     assert history.complete and 0 < history.collapsed_at_s < 0.6
     assert history.series.time_s.iloc[-1] == pytest.approx(history.collapsed_at_s, abs=0.02)
     # a brick has dropped by half its height, 37.5 mm

@@ -11,8 +11,8 @@ from conftest import REPOSITORY, SHORT, TINY, wall_file, written
 from numpy.testing import assert_allclose
 from scipy.sparse.linalg import spsolve
 
+from damage import read_history
 from damage.history.in_space import InSpace
-from damage.history.reader import read_history
 from damage.house.house import read_house
 from damage.house.layout import lay_out_house
 from damage.linear.modes import stiffness_matrix

@@ -15,13 +15,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
+from damage import Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes
 from damage.run.monitor import have_fallen, lowest_places
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Joint, Opening, Wall
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.solver import FOLLOW_STEPS, YadeSolver
 

@@ -11,13 +11,12 @@ import numpy as np
 if __name__ == "__main__":  # in YADE, which does not look here by itself
     sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
+from damage import Joint, ModelOptions, Wall
 from damage.linear.modes import natural_modes
 from damage.run.schedule import sample_steps
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Joint, Wall
 
 RAMP_S, SETTLES_S, RESTS_S = 0.1, 0.1, 0.4
 MOTION = 2e-4, -1e-3, 2e-3

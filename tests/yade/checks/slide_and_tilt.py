@@ -18,9 +18,9 @@ sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[3]))
 
 from yade import O, Quaternion, Vector3
 
+from damage import Brick, Joint, Wall
 from damage.wall.kinds import BED
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, Wall
 from yade_scripts.leaving import run_and_leave
 from yade_scripts.model import build
 from yade_scripts.scene import SceneReader

@@ -27,6 +27,7 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 from yade import O, Quaternion, Vector3
 
+from damage import Brick, Joint, ModelOptions, Wall
 from damage.house.house import Corner, Diaphragm, House, Placed
 from damage.house.layout import lay_out_house
 from damage.house.ties import Ties
@@ -36,8 +37,6 @@ from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.kinds import SLAB_COURSE
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.restraints import Restraint
 from yade_scripts.solver import YadeSolver
 
