@@ -27,6 +27,7 @@ from damage.errors import InputError
 from damage.history.reader import read_history
 from damage.mechanics.tables import INPUT
 from damage.reference.session import run_reference
+from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.file import load_wall
 from yade_scripts import COMMAND
@@ -40,7 +41,7 @@ BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 TINY = "Wall('tiny', 0.45, 0.6)"
 """Of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g."""
 # of small walls, which vibrate at 0.05 s or faster
-SHORT = ("-j1", BRIEFLY, "RAMP_S=0.05", "HOLD_S=0.05", "SETTLE_S=0.02")
+SHORT = ("-j1", BRIEFLY, "RAMP_S=0.05 HOLD_S=0.05 SETTLE_S=0.02")
 
 MOST_S = 600.0
 """What a test may take, ten times the longest on a slow machine; it fails then [s]."""
@@ -147,6 +148,13 @@ def run_command(*words, status=None, **options):
     return done
 
 
+def in_words(arguments):
+    """The words of a command: strings are split at blanks, a path is one word."""
+    return [
+        word for one in arguments for word in (one.split() if isinstance(one, str) else [str(one)])
+    ]
+
+
 def in_python(code, **environment):
     """Run code beside the tests of the core, in a Python of its own."""
     path = os.pathsep.join(
@@ -165,7 +173,7 @@ def in_python(code, **environment):
 @pytest.fixture(scope="session")
 def damage_command():
     def run(*words, **options):
-        return run_command(sys.executable, "-m", "damage", *words, **options)
+        return run_command(sys.executable, "-m", "damage", *in_words(words), **options)
 
     return run
 
@@ -176,7 +184,7 @@ def yade_command():
         pytest.skip("YADE is not installed")
 
     def run(*words, **options):
-        return run_command(*COMMAND, *words, **options)
+        return run_command(*COMMAND, *in_words(words), **options)
 
     return run
 
@@ -204,8 +212,13 @@ def in_both(yade_command, damage_command):
 
 def run_here(out, *words):
     """The History of a run in the reference solver, in this process and without pictures."""
-    assert run_reference([*map(str, words), "--no-pictures", "--out", str(out)]) == 0
+    assert run_reference([*in_words(words), "--no-pictures", "--out", str(out)]) == 0
     return read_history(out)
+
+
+def parsed(words="", solver="reference"):
+    """The RunSettings of options as they are typed."""
+    return parse_run(words.split(), "test", solver)
 
 
 def one_line_error(function, *arguments, **named):
@@ -282,7 +295,8 @@ def wall_file(path, expression):
 import sys
 
 sys.path.insert(0, {str(REPOSITORY)!r})
-from damage import Brick, Floor, Joint, Opening, Wall
+from damage import Brick, Floor, Joint, Lintel, Opening, Wall
+from damage.wall.restraints import Restraint
 
 
 def wall():

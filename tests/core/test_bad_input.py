@@ -56,6 +56,36 @@ WALLS = {
         r"Opening\(wide=...\): expected "
     ),
     "Wall('w', 1, 1, colour=2)": r"Wall\(colour=...\): expected one of name, length, height",
+    "Wall('w', 2.0, 0.975, [Opening(0.5, 1.0, 0.975)])": "reaches from the base to the top",
+    "Wall('w', 3.0, 1.0, [Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5)])": "another opening",
+    "Wall('w', 0.05, 1.0)": "smaller than half a brick",
+    "Lintel('stone')": "expected the stone's modulus",
+    "Lintel('arch', modulus=1e9)": "expected of a beam alone",
+    "Lintel('timber', bearing=0.0)": "Lintel.bearing = 0.0",
+    "Opening(0.8, 0.8, 0.8, lintel=3)": "expected Lintel",
+    "Opening(0.8, 0.8, 0.8, lintel={'knid': 'timber'})": "expected kind, height",
+    "Wall('w', 2.0, 1.0, lintel='wood')": "expected one of concrete",
+    "Restraint('left', 'free')": "party wall",
+    "Restraint('top', play=0.01)": "but no stiffness",
+    "Wall('w', 1, 1, (), 0, restraints=[Restraint('top')])": "top without precompression",
+    "Wall('w', 1.0, 1.0, restraints=[Restraint('top', mass=1e6)])": "precompression weighs",
+    "Wall('w', 1.0, 1.0, restraints=[Restraint('top')] * 2)": "2 restraints",
+    "Wall('w', 1.0, 1.0, restraints=[Opening(0.3, 0.3, 0.3)])": r"expected Restraint\(",
+    "Floor(1.0, mass_per_area=60.0)": "tributary_width = None m: expected both",
+    "Wall('w', 2.0, 2.4, floors=[Floor(1.0, 800.0, mass_per_area=60.0, tributary_width=2.1)])": (
+        "mass = 800 kg, but 60 kg/m2 on 2 x 2.1 m are 252 kg"
+    ),
+    "Joint(compressive_strength=0.0)": "expected above zero, or None",
+    "Joint(compressive_fracture_energy=1e4)": "joints that do not crush",
+    "Brick(fracture_energy=30.0)": "bricks without a tensile strength",
+    "Joint(mode_i_fracture_energy=5)": "neither for a brittle bond",
+    "Joint(mode_ii_fracture_energy=5)": "neither for a brittle bond",
+    **{
+        f"Joint(mode_i_fracture_energy=5, mode_ii_fracture_energy=50, tensile_strength={given})": (
+            "both above zero"
+        )
+        for given in (0, 1e6)
+    },
     "wall()": r"line \d+: failed with RecursionError",
     "None": r"no function wall\(\)",
 }
@@ -92,7 +122,24 @@ OPTIONS = {
     "--cyclic 20 --cycles 1000 --speed 0.001": "a push of .* up to 2000 s",
     "--boundary fixed": "--boundary",
     "--lintel granite": "granite",
+    "--lintel -1": "how many courses stay elastic, 0 to 20000",
     "--bricks deformable --new-contacts": "loose bricks collide as rigid ones",
+    "--after-fall": "--after-fall without --new-contacts: .*give both",
+    "--settle hoging": "expected one of hogging, sagging, tilt, knick, or a CSV file",
+    "--settle hogging --distortion one": "expected a number, or a fraction like 1/500",
+    "--distortion 1/500": "--distortion belongs to --settle",
+    "--footing 0.6": "--footing = 0.6 without --soil",
+    "--soil-velocity 150": "--soil-velocity = 150.0 without --soil",
+    "--rayleigh 2 5 20": "ratio from 0 to 1",
+    "--rayleigh 0.02 20 5": "rising",
+    "--rayleigh 0.02 5 20 --beta 1e-6": "choose one",
+    "--pushover 0.1 --rayleigh 0.02 5 20": "--rayleigh with a pushed top",
+    "--mass-scaling selective --new-contacts": "collision",
+    "--mass-scaling selective --relaxation local": "--relaxation local",
+    "--mass-scaling selective --settling local": "--settling local",
+    "--tolerance-mm 10": "--tolerance-mm belongs to --cracked",
+    "--unit g": "--unit belongs to --record",
+    "--free-vibration --sequence 1,1": "--sequence belongs to",
     "--rest 1e12": "0 to 2000",
 }
 IN_YADE = {
@@ -455,6 +502,7 @@ MISTAKES = [
     ("+", f"{FLOOR}levl = 2.7", r"did you mean level\?"),
     ("+", "[floors]\nlevel = 2.7\nmass = 100", "double the brackets"),
     ("length", '"4.4 m"', "Wall.length = '4.4 m': expected a number"),
+    ("lintel", "{ hight = 0.2 }", "did you mean height"),
     ("length", None, "lacks length"),
     ("name", "house", "no TOML .* line 1"),
 ]

@@ -2,8 +2,6 @@
 solutions."""
 
 import numpy as np
-import pytest
-from conftest import refused_with
 from numpy.testing import assert_allclose
 
 from damage import Joint, Wall
@@ -11,7 +9,6 @@ from damage.linear.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.monitor import unbalanced_force
-from damage.run.options import parse_run
 from damage.run.schedule import STEP_FACTOR
 from damage.run.settings import ADAPTIVE_DAMPING, LOCAL_DAMPING, rayleigh_factors
 from damage.units import GRAVITY
@@ -53,18 +50,6 @@ def test_rayleigh_damping_has_its_ratio_at_both_frequencies():
         assert_allclose(
             decay_ratio(solver, modes.shape[mode], modes.period_s[mode]), 0.03, rtol=0.02
         )
-
-
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        (["--rayleigh", "2", "5", "20"], "ratio from 0 to 1"),
-        (["--rayleigh", "0.02", "20", "5"], "rising"),
-        (["--rayleigh", "0.02", "5", "20", "--beta", "1e-6"], "choose one"),
-    ],
-)
-def test_bad_damping_is_refused(words, message):
-    refused_with(message, parse_run, words, "test", "reference")
 
 
 def relaxed(**damping):

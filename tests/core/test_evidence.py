@@ -130,7 +130,7 @@ def test_screen_json_history_tables_and_report_say_it(tmp_path, capsys, monkeypa
     high = "Wall('high', 0.45, 0.9, precompression=0.0, joint=Joint(friction_angle=0.687))"
     wall = wall_file(tmp_path / "w.py", high)
     out = tmp_path / "a.h5"
-    history = run_here(out, wall, "--harmonic", 0.1, 0.05, "--cycles", 1, "--rest", 0.2)
+    history = run_here(out, wall, "--harmonic 0.1 0.05 --cycles 1 --rest 0.2")
     line = (
         "evidence for this run: outside the range of validity (docs/model/validity.md) in 5 of 16"
         " quantities: precompression of mortar joints 0 MPa (0.3 to 0.9 MPa), length 0.45 m (1 to"

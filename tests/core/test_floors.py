@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import refused_with
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
@@ -187,17 +186,3 @@ def test_a_floor_per_area_is_the_mass_of_what_bears_on_the_wall():
     assert "(60 kg/m2 over 2.1 m)" in describe_floors(plan_of(whole))[0]
     assert Wall.from_dict(whole.as_dict()).floors == whole.floors
     assert "mass_per_area" not in given.wall.as_dict()["floors"][0]
-
-
-@pytest.mark.parametrize(
-    "make, said",
-    [
-        (lambda: Floor(1.0, mass_per_area=60.0), "tributary_width = None m: expected both"),
-        (
-            lambda: wall(Floor(1.0, 800.0, mass_per_area=60.0, tributary_width=2.1)),
-            "mass = 800 kg, but 60 kg/m2 on 2 x 2.1 m are 252 kg",
-        ),
-    ],
-)
-def test_floors_with_too_little_or_too_much_said_are_one_line(make, said):
-    refused_with(said, make)

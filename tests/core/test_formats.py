@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, refused_with, wall_file, written
+from conftest import REPOSITORY, one_line_error, parsed, refused_with, wall_file, written
 from numpy.testing import assert_allclose
 
 from damage import Wall
@@ -26,7 +26,6 @@ from damage.motion.loading import Recorded, loading_from_dict
 from damage.motion.plausible import faint_warnings, implausible_velocity
 from damage.motion.sequence import read_sequence
 from damage.run.banner import record_lines
-from damage.run.options import parse_run
 from damage.units import GRAVITY
 
 STEP_S = 0.005
@@ -399,10 +398,7 @@ class TestUnitOfARun:
 
     def test_a_study_notices_another_unit_but_no_new_words(self, tmp_path):
         path = record_file(tmp_path, BARE)
-        asked = [
-            parse_run(["--record", str(path), "--unit", unit], "test", "yade")
-            for unit in ("g", "m_s2")
-        ]
+        asked = [parsed(f"--record {path} --unit {unit}", "yade") for unit in ("g", "m_s2")]
         note = as_json(asked[0])
         assert differences(note, asked[0]) == []
         (line,) = differences(note, asked[1])
@@ -419,10 +415,9 @@ class TestUnitOfARun:
         )
         peaks = [event.loading.peak_g for event in read_sequence(path, 1.0)[:3]]
         assert_allclose(peaks, [0.15, 0.15 / 9.81, 0.15], rtol=1e-4)
-        lines = record_lines(parse_run(["--sequence", str(path)], "test", "reference"))
+        lines = record_lines(parsed(f"--sequence {path}"))
         assert "unit of alone: gal (--unit)" in lines and len(lines) == 4
-        words = ["--sequence", str(path), "--unit", "g"]
-        refused_with("--sequence", parse_run, words, "test", "yade")
+        refused_with("--sequence", parsed, f"--sequence {path} --unit g")
         written(path, "record\npulse.txt\n")
         refused_with("line 2: .*names no unit", read_sequence, path, 1.0)
 
@@ -440,22 +435,12 @@ class TestUnitOfARun:
         assert_allclose(peaks, [0.0015 / 9.81, 0.15], rtol=1e-3)
         written(table, f"record,unit\n{paths[0]},file\n")
         refused_with("names no unit", load_study, study, "reference", REPOSITORY)
-        refused_with("--unit belongs to --record", parse_run, ["--unit", "g"], "test", "yade")
-
-
-def test_a_run_needs_two_samples_in_the_walls_period(tmp_path):
-    path = record_file(tmp_path, IN_G + rows(4 * TIME_S, PULSE_G))
-    asked = parse_run(["--record", str(path)], "test", "reference")
-    asked.for_period(0.041)
-    said = "a time step of 0.02 s; expected at most half of the wall's first period of 0.039 s"
-    assert said in one_line_error(asked.for_period, 0.039)
 
 
 def test_peaks_that_no_earthquake_has(tmp_path, capsys):
     assert implausible_velocity(3.2) is None and faint_warnings(5e-4) == []
     path = record_file(tmp_path, IN_G + rows(8 * TIME_S, 20 * PULSE_G))
-    asked = parse_run(["--record", str(path)], "test", "reference")
-    said = one_line_error(asked.check_plausible, Wall("w", 0.9, 0.6))
+    said = one_line_error(parsed(f"--record {path}").check_plausible, Wall("w", 0.9, 0.6))
     assert "PGV of the base motion = 8.0" in said and "--accept-implausible" in said
     assert main(["record", str(path)]) == 0
     assert "PGV of the base motion = 8.0" in capsys.readouterr().err

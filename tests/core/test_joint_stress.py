@@ -253,14 +253,7 @@ def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
     one, two = in_both(
         tmp_path,
         wall,
-        "--harmonic",
-        0.05,
-        0.05,
-        "--cycles",
-        1,
-        "--rest",
-        0,
-        "--stresses",
+        "--harmonic 0.05 0.05 --cycles 1 --rest 0 --stresses",
         yade=SHORT,
     ).values()
     largest = np.abs(two.joint_stress_pa[0]).max()

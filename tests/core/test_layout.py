@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import refused_with
 from numpy.testing import assert_allclose
 
 from damage import Brick, ModelOptions, Opening, Wall
@@ -201,24 +200,6 @@ def test_effective_stiffness_of_bed_head_and_base(symmetric_wall):
     assert_allclose(
         contacts.normal_stiffness[base], 1 / (1 / 12e11 + 0.0375 / 5.2e9), rtol=2.0**-26
     )
-
-
-@pytest.mark.parametrize(
-    ("change", "complaint"),
-    [
-        (lambda: Wall("w", 2.0, 0.975, (Opening(0.5, 1.0, 0.975),)), "top"),
-        (
-            lambda: Wall("w", 3.0, 1.0, (Opening(0.5, 1.0, 0.5), Opening(1.55, 0.5, 0.5))),
-            "another opening",
-        ),
-        (lambda: Wall("w", 0.05, 1.0), "smaller than"),
-        (lambda: ModelOptions(lintel="stone"), "expected its modulus"),
-        (lambda: ModelOptions(lintel=-1), "how many courses stay elastic, 0 to 20000"),
-        (lambda: ModelOptions(lintel=True), "how many courses"),
-    ],
-)
-def test_bad_parameters_are_refused_in_one_line(change, complaint):
-    refused_with(complaint, change)
 
 
 @pytest.mark.parametrize(

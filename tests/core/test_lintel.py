@@ -3,6 +3,7 @@ and warned of."""
 
 import numpy as np
 import pytest
+from conftest import parsed
 from small_history import make_history
 
 from damage import ModelOptions, Opening, Wall
@@ -11,7 +12,6 @@ from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
 from damage.run.banner import wall_lines
-from damage.run.options import parse_run
 from damage.run.report import describe
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
@@ -83,7 +83,7 @@ def test_every_summary_tells_the_share(run):
 
 
 def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
-    layout, loading = lay_out(DOOR), parse_run([], "test", "reference").loading
+    layout, loading = lay_out(DOOR), parsed().loading
     modes, brickwork_t = natural_modes(layout), 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
     lines = "\n".join(wall_lines(layout, loading, modes, 1e-5))
     for words in (

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import parsed
 from numpy.testing import assert_allclose
 
 from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes, static_displacement
 from damage.run.banner import wall_lines
-from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.file import wall_from
 from damage.wall.kinds import ARCH_COURSE, CUT, HEAD, LINTEL_COURSE
@@ -199,9 +198,7 @@ class TestOptions:
 
     def test_a_run_tells_its_lintels(self):
         layout = lay_out(wall((DOOR, Opening(1.9, 0.3, 0.2, 0.4, "arch"))))
-        lines = wall_lines(
-            layout, parse_run([], "test", "reference").loading, natural_modes(layout), 1e-5
-        )
+        lines = wall_lines(layout, parsed().loading, natural_modes(layout), 1e-5)
         assert "concrete lintel at 0.8 m, x = 0.7 to 1.7 m: 0.1 x 0.15 m, modulus 30 GPa" in lines
         assert any(line.startswith("arch lintel at 0.6 m") for line in lines)
         assert "lintels of their own: no joint is elastic, all can fail" in lines
@@ -247,18 +244,3 @@ class TestData:
         assert Wall.from_dict(old).lintel.kind == "courses"
         assert Wall("w", 2.4, 1.2, [DOOR]).lintel == Lintel("concrete")
         assert Wall.from_dict(Wall("w", 2.4, 1.2).as_dict()) == Wall("w", 2.4, 1.2)
-
-    @pytest.mark.parametrize(
-        ("make", "message"),
-        [
-            (lambda: Lintel("stone"), "expected the stone's modulus"),
-            (lambda: Lintel("arch", modulus=1e9), "expected of a beam alone"),
-            (lambda: Lintel("timber", bearing=0.0), "Lintel.bearing = 0.0"),
-            (lambda: Opening(0.8, 0.8, 0.8, lintel=3), "expected Lintel"),
-            (lambda: Opening(0.8, 0.8, 0.8, lintel={"knid": "timber"}), "expected kind, height"),
-            (lambda: wall_from(TABLE | {"lintel": {"hight": 0.2}}), "did you mean height"),
-            (lambda: wall_from(TABLE | {"lintel": "wood"}), "expected one of concrete"),
-        ],
-    )
-    def test_bad_input(self, make, message):
-        assert message in one_line_error(make)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import refused_with
+from conftest import parsed, refused_with
 
 from damage import Wall
 from damage.applications.studies.read import read_table
@@ -79,7 +79,7 @@ def test_figures_and_evidence_know_every_choice():
 )
 def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     assert ModelOptions(lintel=given).lintel == kept
-    assert parse_run(["--lintel", str(given)], "test", "yade").model.lintel == kept
+    assert parsed(f"--lintel {given}", "yade").model.lintel == kept
     write_table(pd.DataFrame({"lintel": [kept]}), tmp_path / "points.csv")
     assert list(read_table(tmp_path / "points.csv")["lintel"]) == [kept]
     assert choice({**USUAL_MODEL, "lintel": kept}) == (
@@ -111,8 +111,8 @@ def test_a_lintel_is_a_word_wherever_it_stands(tmp_path, given, kept):
     ],
 )
 def test_a_command_line_is_one_way_to_give_options(options, words):
-    given, parsed = settings_of(options, "", "reference"), parse_run(words.split(), "", "reference")
-    assert replace(given, command="") == replace(parsed, command="")
+    given = settings_of(options, "", "reference")
+    assert replace(given, command="") == replace(parsed(words), command="")
     assert parse_run(words_of(options), "", "reference") == given
 
 
@@ -133,7 +133,7 @@ def test_a_command_line_is_one_way_to_give_options(options, words):
 )
 def test_a_wrong_option_is_refused_alike_however_it_is_given(options, words, said):
     refused_with(said, settings_of, options, "", "reference")
-    refused_with(said, parse_run, words.split(), "", "reference")
+    refused_with(said, parsed, words)
 
 
 @pytest.mark.parametrize(
@@ -142,6 +142,7 @@ def test_a_wrong_option_is_refused_alike_however_it_is_given(options, words, sai
         ({"cycles": 2.5}, "argument --cycles: invalid int value: 2.5"),
         ({"rest": True}, "invalid float value: True"),
         ({"quiet": 1}, "quiet = 1: expected True or False"),
+        ({"lintel": True}, "how many courses"),
         ({"harmonc": 1}, "did you mean harmonic"),
     ],
 )

@@ -197,15 +197,7 @@ def test_a_run_follows_what_falls_until_it_rests(tmp_path, capsys):
     history = run_here(
         tmp_path / "fall.h5",
         wall,
-        "--lintel",
-        "none",
-        "--harmonic",
-        0.05,
-        0.5,
-        "--rest",
-        0.5,
-        "--new-contacts",
-        "--after-fall",
+        "--lintel none --harmonic 0.05 0.5 --rest 0.5 --new-contacts --after-fall",
     )
     said = capsys.readouterr().out
     rest, overlap = re.search(

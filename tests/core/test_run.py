@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import contents
+from conftest import contents, parsed
 from numpy.testing import assert_allclose
 from short_runs import RUNS
 from small_history import small_layout
@@ -16,7 +16,6 @@ from damage.history.writer import HistoryWriter
 from damage.measure.summary import summarise
 from damage.motion.loading import mean_velocities
 from damage.run.cooperative import take_turns
-from damage.run.options import parse_run
 from damage.run.run import LOOK_STEPS, Run
 from damage.run.schedule import sample_steps
 from damage.run.session import Backend, run_session
@@ -25,7 +24,7 @@ from damage.run.solver import Instants
 from damage.units import GRAVITY
 
 DT = 1e-3  # [s]; a sample then lasts ten steps
-SHAKEN = ["--harmonic", "0.1", "0.2", "--cycles", "2", "--rest", "0.3"]
+SHAKEN = "--harmonic 0.1 0.2 --cycles 2 --rest 0.3"
 
 
 class Clockwork:
@@ -172,7 +171,7 @@ def run_through(tmp_path, at_once):
 
     def run(words=SHAKEN, keep_going=lambda run, time_s: True, solver="yade", **clockwork):
         layout = small_layout()
-        settings = parse_run(list(words), "test", solver)
+        settings = parsed(words, solver)
         fake = Clockwork(layout, at_once, **clockwork)
         path = tmp_path / "run.h5"
         writer = HistoryWriter(
@@ -228,7 +227,7 @@ def test_gravity_comes_in_whole_steps_and_stays(run_through):
 
 
 def test_settling_is_damped_and_the_motion_is_not(run_through):
-    _, _, fake, _ = run_through(["--rest", "0.1", "--beta", "1e-6"], solver="reference")
+    _, _, fake, _ = run_through("--rest 0.1 --beta 1e-6", solver="reference")
     assert [how for how in fake.log if isinstance(how, dict)] == [
         {"adaptive": 1.0},
         *2 * [{"alpha": 0.0, "beta": 1e-6}],
@@ -237,9 +236,7 @@ def test_settling_is_damped_and_the_motion_is_not(run_through):
 
 
 def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(run_through):
-    _, run, fake, history = run_through(
-        ["--pushover", "0.02", "--speed", "0.01", "--boundary", "fixed"]
-    )
+    _, run, fake, history = run_through("--pushover 0.02 --speed 0.01 --boundary fixed")
     assert ("hold", True) in fake.log
     velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
     loading, height = run.settings.loading, run.layout.pushed_height
@@ -300,10 +297,10 @@ def test_events_count_from_time_zero(run_through):
 
 @pytest.fixture
 def session(tmp_path, capsys, monkeypatch, at_once):
-    """session(*words, **of the Clockwork): a whole run of it from its command line; (status, what
+    """session(**of the Clockwork): a whole run of it from its command line; (status, what
     it said, History)."""
 
-    def run(*words, **clockwork):
+    def run(**clockwork):
         def make(layout, time_step, _settings):
             monkeypatch.setattr(f"{__name__}.DT", time_step)
             return Clockwork(layout, at_once, **clockwork)
@@ -314,7 +311,7 @@ def session(tmp_path, capsys, monkeypatch, at_once):
             backend,
             __file__,
             lambda: small_layout().wall,
-            [*SHAKEN, *words, "--no-pictures", "--overwrite", "--out", str(out)],
+            f"{SHAKEN} --no-pictures --overwrite --out {out}".split(),
             "test",
         )
         return status, capsys.readouterr().err.splitlines(), read_history(out)

@@ -5,11 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from conftest import refused_with
+from conftest import parsed
 from numpy.testing import assert_allclose
 from small_history import small_layout
 
-from damage import InputError
 from damage.law.states import BROKEN, ENDED
 from damage.run import settings as run_settings
 from damage.run.monitor import (
@@ -19,16 +18,13 @@ from damage.run.monitor import (
     lowest_places,
     unbalanced_force,
 )
-from damage.run.options import parse_run
 from damage.run.schedule import choose_time_step
 
 CRITICAL_S = 4.67e-5
 
 
-def step_of(*words, softens=False):
-    return choose_time_step(
-        parse_run(["--free-vibration", *words], "test", "reference"), CRITICAL_S, softens
-    )
+def step_of(words="", softens=False):
+    return choose_time_step(parsed(f"--free-vibration {words}"), CRITICAL_S, softens)
 
 
 def test_the_time_step_is_a_share_of_the_critical_one():
@@ -44,7 +40,7 @@ def test_with_viscous_damping_the_time_step_is_085_of_the_stable_one(beta_s):
     xi = beta_s / CRITICAL_S
     stable = CRITICAL_S * (math.sqrt(1 + xi**2) - xi)
     assert 0.85 * stable < 0.643 * CRITICAL_S
-    assert_allclose(step_of("--beta", str(beta_s)), 0.85 * stable, rtol=1e-5)
+    assert_allclose(step_of(f"--beta {beta_s}"), 0.85 * stable, rtol=1e-5)
 
 
 def test_a_brick_has_fallen_when_it_is_half_its_height_below_its_place():
@@ -102,15 +98,3 @@ def test_a_wall_rests_when_no_brick_that_fell_moves():
         0.2,
         10.0,
     )
-
-
-def test_following_bricks_without_contacts_is_refused():
-    refused_with(
-        "--after-fall without --new-contacts: .*give both",
-        parse_run,
-        ["--after-fall"],
-        "test",
-        "reference",
-    )
-    with pytest.raises(InputError, match="--new-contacts with --bricks deformable: .*give one"):
-        parse_run(["--new-contacts", "--bricks", "deformable"], "test", "reference")

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import one_line_error, parsed
 
 import damage
 from damage import Brick, Wall
 from damage.draw.words import run_title
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.run.options import parse_run
 from damage.run.report import describe
 
 STIFF = Wall(
@@ -97,15 +96,11 @@ def test_the_run_says_that_it_interpolates_and_what_lines_would_take_off(runs):
     assert ["interpolated" in run_title(runs[step_s]) for step_s in (0.02, 0.002)] == [True, False]
 
 
-def settings(*words):
-    return parse_run([str(word) for word in words], "test", "reference")
-
-
 def test_all_events_of_a_sequence_are_interpolated_and_stay_the_same_motion(tmp_path):
     for name, scale in (("one", 1.0), ("two", 0.5)):
         sampled(tmp_path, 0.02, name, scale)
     (tmp_path / "sequence.csv").write_text("record,scale\none.csv,1\ntwo.csv,3\none.csv,0.5\n")
-    asked = settings("--sequence", tmp_path / "sequence.csv")
+    asked = parsed(f"--sequence {tmp_path}/sequence.csv")
     driven = asked.for_period(PERIOD_S)
     first, second, third = (event.loading for event in driven.events)
     assert first is third and driven.loading is second and driven.peak_g > asked.peak_g
@@ -119,11 +114,11 @@ def test_all_events_of_a_sequence_are_interpolated_and_stay_the_same_motion(tmp_
 
 
 def test_a_record_whose_steps_exceed_half_the_period_is_refused_unless_it_is_accepted(tmp_path):
-    words = "--record", sampled(tmp_path, 0.04)
-    said = one_line_error(settings(*words).for_period, PERIOD_S)
+    words = f"--record {sampled(tmp_path, 0.04)}"
+    said = one_line_error(parsed(words).for_period, PERIOD_S)
     assert (
         "every_40_ms: a time step of 0.04 s; expected at most half of the wall's first period of"
         " 0.0508 s" in said
     )
-    driven = settings(*words, "--accept-implausible").for_period(PERIOD_S)
+    driven = parsed(f"{words} --accept-implausible").for_period(PERIOD_S)
     assert driven.loading.interpolated_for_s == PERIOD_S

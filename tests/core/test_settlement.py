@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from checks.settling_support import pier, settle
-from conftest import REPOSITORY, refused_with, rigid_turn, written
+from conftest import REPOSITORY, parsed, refused_with, rigid_turn, written
 from numpy.testing import assert_allclose
 from short_runs import SMALL
 
@@ -28,7 +28,6 @@ from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.run.cooperative import take_turns
-from damage.run.options import parse_run
 from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
@@ -106,7 +105,7 @@ def test_the_ground_begins_and_ends_at_rest_and_is_slow():
 
 def test_a_profile_from_a_file(tmp_path):
     path = written(tmp_path / "dip.csv", "x_m,uz_m\n0,0\n1,-0.002\n4,0\n")
-    settlement = parse_run(["--settle", str(path)], "", "reference").settlement
+    settlement = parsed(f"--settle {path}").settlement
     assert_allclose(settlement.vertical([0.5, 1, 2.5], 4.0), [-0.001, -0.002, -0.001])
     refused_with(
         "reaches from x = 0 to 4 m, the wall from 0 to 4.05 m", settlement.check_length, 4.05
@@ -121,7 +120,7 @@ def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
         "x_m,height_m,date\n3.8,0.712,2003-06-01\n0.2,0.700,2003-06-01\n2,0.705,2003-06-01\n"
         "0.2,0.699,2021-06-01\n2,0.703,2021-06-01\n3.8,0.702,2021-06-01\n"
     )
-    settlement = parse_run(["--settle", str(path)], "", "reference").settlement
+    settlement = parsed(f"--settle {path}").settlement
     settlement.check_length(4.0)
     up = settlement.vertical([0.2, 2, 3.8], 4.0)
     assert_allclose(up - up[0], [0, -1e-3, -9e-3], atol=1e-12)
@@ -131,9 +130,9 @@ def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
     assert capsys.readouterr().err == ""
     # another way to write the same day
     path.write_text(path.read_text().replace("2003-06-01", "20030601", 1))
-    assert parse_run(["--settle", str(path)], "", "reference").settlement == settlement
+    assert parsed(f"--settle {path}").settlement == settlement
     path.write_text("x_m,height_m\n0,1.71\n2,1.70\n4,1.71\n")
-    one = parse_run(["--settle", str(path)], "", "reference").settlement
+    one = parsed(f"--settle {path}").settlement
     assert one.vertical(2, 4.0) - one.vertical(0, 4.0) == pytest.approx(-0.01)
     assert (
         "levels of one date: the course is taken as level when it was built"
@@ -150,24 +149,9 @@ def test_a_later_survey_that_reaches_further_finds_no_settlement_where_nothing_m
     path = written(
         tmp_path / "levels.csv", "x_m,height_m,date\n" + "\n".join([*rows, "4,0.039,2021-06-01\n"])
     )
-    settlement = parse_run(["--settle", str(path)], "", "reference").settlement
+    settlement = parsed(f"--settle {path}").settlement
     up = settlement.vertical([0, 4, 8.4], 8.4)
     assert_allclose(up - up[0], [0, -1e-3, 0], atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "words, said",
-    [
-        (["--settle", "hoging"], "expected one of hogging, sagging, tilt, knick, or a CSV file"),
-        (
-            ["--settle", "hogging", "--distortion", "one"],
-            "expected a number, or a fraction like 1/500",
-        ),
-        (["--distortion", "1/500"], "--distortion belongs to --settle"),
-    ],
-)
-def test_bad_options_are_one_line(words, said):
-    refused_with(said, parse_run, words, "", "reference")
 
 
 @pytest.mark.parametrize(
@@ -187,7 +171,7 @@ def test_bad_options_are_one_line(words, said):
 )
 def test_bad_profiles_are_one_line(tmp_path, text, said):
     path = written(tmp_path / "bad.csv", text)
-    refused_with(said, parse_run, ["--settle", str(path)], "", "reference")
+    refused_with(said, parsed, f"--settle {path}")
 
 
 # --- motion, forces, energy -----------------------------------------------------------------------

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, refused_with, wall_file
+from conftest import REPOSITORY, parsed, wall_file
 from pytest import approx
 
 from damage import Joint, ModelOptions, Wall, load_wall, read_history
@@ -23,7 +23,6 @@ from damage.law.joint_law import (
 )
 from damage.measure.summary import summarise
 from damage.reference.session import BACKEND
-from damage.run.options import parse_run
 from damage.run.session import run_session
 from damage.run.settings import SOFTENING_BETA_S
 from damage.wall.layout import lay_out
@@ -147,38 +146,12 @@ def run(tmp_path, *words, wall=None, name="run.h5"):
 class TestRun:
     def test_a_softening_wall_gets_a_little_damping(self):
         """And a smaller step: `test_run_constants.py`."""
-        assert parse_run([], "test", "reference").for_joint(SOFT).beta_s == SOFTENING_BETA_S
-        assert parse_run([], "test", "reference").for_joint(Joint()).beta_s == 0.0
-        assert parse_run(["--beta", "0"], "test", "reference").for_joint(SOFT).beta_s == 0.0
+        assert parsed().for_joint(SOFT).beta_s == SOFTENING_BETA_S
+        assert parsed().for_joint(Joint()).beta_s == 0.0
+        assert parsed("--beta 0").for_joint(SOFT).beta_s == 0.0
 
 
 class TestParameters:
-    @pytest.mark.parametrize(
-        ("values", "message"),
-        [
-            ({"mode_i_fracture_energy": 5.0}, "neither for a brittle bond"),
-            ({"mode_ii_fracture_energy": 5.0}, "neither for a brittle bond"),
-            (
-                {
-                    "mode_i_fracture_energy": 5.0,
-                    "mode_ii_fracture_energy": 50.0,
-                    "tensile_strength": 0.0,
-                },
-                "both above zero",
-            ),
-            (
-                {
-                    "mode_i_fracture_energy": 5.0,
-                    "mode_ii_fracture_energy": 50.0,
-                    "tensile_strength": 1e6,
-                },
-                "both above zero",
-            ),
-        ],
-    )
-    def test_bad_fracture_energies_are_refused(self, values, message):
-        refused_with(message, Joint, **values)
-
     def test_none_and_zero_are_brittle(self):
         assert (
             not Joint().softens

@@ -13,7 +13,6 @@ import damage
 from damage.linear.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.energy import energy_error_of
-from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
@@ -176,17 +175,6 @@ def test_drift_leaves_the_rocking_of_the_base_out(run_of):
         * (shaken.attributes["drift_height_m"] - shaken.masonry_wall.brick.height / 2)
     )
     assert np.allclose(rebuilt, series["top_displacement_m"], atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "words, said",
-    [
-        (["--footing", "0.6"], "--footing = 0.6 without --soil"),
-        (["--soil-velocity", "150"], "--soil-velocity = 150.0 without --soil"),
-    ],
-)
-def test_bad_soil_is_one_line(words, said):
-    refused_with(said, parse_run, words, "", "reference")
 
 
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path):

@@ -29,17 +29,9 @@ def pushed(tmp_path_factory, in_both):
     histories = in_both(
         folder,
         wall_file(folder / "pier.py", PIER),
-        "--pushover",
-        100,
-        "--accept-implausible",
-        "--speed",
-        SPEED,
-        "--boundary",
-        "fixed",
-        "--damping",
-        0,
+        f"--pushover 100 --accept-implausible --speed {SPEED} --boundary fixed --damping 0",
         yade=("-j1",),
-        reference=("--relaxation", "local"),
+        reference=("--relaxation local",),
     )
     return {
         solver: (history, (folder / f"{solver}.txt").read_text())
@@ -77,24 +69,12 @@ def test_a_run_that_continues_after_a_joint_ended_keeps_its_stresses(tmp_path, y
     """None in the joint that ended before the checkpoint; the weight of two bricks is on the
     ground."""
     wall = wall_file(tmp_path / "pier.py", PIER)
-    words = ["-j1", wall, "--accept-implausible", "--no-pictures", "--stresses", "--dt", 3e-5]
+    words = "--accept-implausible --no-pictures --stresses --dt 3e-5"
     for more in (
-        ("--pushover", 70, "--speed", SPEED, "--checkpoint", 10, "--out", tmp_path / "first.h5"),
-        (
-            "--harmonic",
-            0.02,
-            0.01,
-            "--cycles",
-            1,
-            "--rest",
-            0,
-            "--continue",
-            tmp_path / "first.h5",
-            "--out",
-            tmp_path / "second.h5",
-        ),
+        f"--pushover 70 --speed {SPEED} --checkpoint 10 --out first.h5",
+        "--harmonic 0.02 0.01 --cycles 1 --rest 0 --continue first.h5 --out second.h5",
     ):
-        yade_command(*words, *more, status=0)
+        yade_command("-j1", wall, words, more, cwd=tmp_path, status=0)
     history = read_history(tmp_path / "second.h5")
     assert history.ended[0].any() and not history.joint_stress_pa[:, history.ended[0]].any()
     area = LENGTH / 2 * history.masonry_wall.brick.thickness  # of a contact point, two a joint

@@ -22,17 +22,9 @@ def test_a_wall_on_soil_lifts_off_alike(tmp_path, in_both):
     yade, reference = histories = in_both(
         tmp_path,
         path,
-        "--harmonic",
-        0.1,
-        0.2,
-        "--cycles",
-        1,
-        "--rest",
-        0.05,
-        "--soil",
-        3e8,
+        "--harmonic 0.1 0.2 --cycles 1 --rest 0.05 --soil 3e8",
         yade=SHORT,
-        reference=("--beta", 0, "--mass-scaling", "none"),
+        reference=("--beta 0 --mass-scaling none",),
     ).values()
     assert_allclose(
         *(history.series["drift_ratio"].abs().max() for history in histories), rtol=0.01
@@ -51,28 +43,21 @@ def halves(tmp_path_factory, yade_command):
     folder = tmp_path_factory.mktemp("halves")
     path = wall_file(folder / "small.py", SMALL.format(joint=""))
 
-    def run(*words):
+    def run(words):
         # No joint opens or slides by 0.4 mm, from which bricks collide and a run that continues
         # sums in another order.
         return yade_command(
             *SHORT,
             path,
-            "--harmonic",
-            0.06,
-            0.3,
-            "--cycles",
-            1,
-            "--rest",
-            0,
-            "--no-pictures",
-            *words,
+            "--harmonic 0.06 0.3 --cycles 1 --rest 0 --no-pictures",
+            words,
             cwd=folder,
         )
 
     done = [
-        run("--sequence", "1,0.6", "--out", "whole.h5"),
-        run("--out", "first.h5", "--checkpoint", "10"),
-        run("--sequence", "0.6", "--continue", "first.h5", "--out", "second.h5"),
+        run("--sequence 1,0.6 --out whole.h5"),
+        run("--out first.h5 --checkpoint 10"),
+        run("--sequence 0.6 --continue first.h5 --out second.h5"),
     ]
     assert [one.returncode for one in done] == [0, 0, 0], done
     return folder, done[-1].stderr

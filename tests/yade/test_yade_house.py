@@ -36,7 +36,7 @@ def runs(tmp_path_factory, in_both):
     """The same motion, too weak for a crack, in both solvers."""
     folder = tmp_path_factory.mktemp("house")
     wall = written(folder / "gable.toml", GABLE)
-    return in_both(folder, wall, "--harmonic", 0.05, 0.2, "--cycles", 1, "--rest", 0.02)
+    return in_both(folder, wall, "--harmonic 0.05 0.2 --cycles 1 --rest 0.02")
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])

@@ -16,7 +16,7 @@ SOFT = (
     "Wall('panel', 0.45, 0.45, precompression=0.1e6, "
     "joint=Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0))"
 )
-LOCAL = ("--relaxation", "local")
+LOCAL = ("--relaxation local",)
 
 
 @pytest.fixture(
@@ -30,12 +30,8 @@ def runs(request, tmp_path_factory, in_both):
     return request.param, in_both(
         folder,
         wall,
-        "--pushover",
-        0.12,
-        "--boundary",
-        request.param,
-        "--speed",
-        {"cantilever": 2e-3, "fixed": 4e-3}[request.param],
+        f"--pushover 0.12 --boundary {request.param} --speed",
+        {"cantilever": "2e-3", "fixed": "4e-3"}[request.param],
         yade=SHORT,
         reference=LOCAL,
     )
@@ -101,10 +97,7 @@ def test_joints_that_soften_do_so_alike(tmp_path, in_both):
     yade, reference = in_both(
         tmp_path,
         wall,
-        "--pushover",
-        0.05,
-        "--speed",
-        5e-3,
+        "--pushover 0.05 --speed 5e-3",
         yade=SHORT,
         reference=LOCAL,
     ).values()
@@ -139,22 +132,8 @@ def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command
     yade_command(
         *SHORT,
         path,
-        "--pushover",
-        0.005,
-        "--speed",
-        1e-4,
-        "--top-rotation",
-        spring,
-        "--contacts",
-        "gauss",
-        "--soil",
-        1e8,
-        "--footing",
-        0.4,
-        "--dt",
-        5e-5,
-        "--no-pictures",
-        "--out",
+        f"--pushover 0.005 --speed 1e-4 --top-rotation {spring} --contacts gauss --soil 1e8",
+        "--footing 0.4 --dt 5e-5 --no-pictures --out",
         tmp_path / "a.h5",
         status=0,
     )
@@ -185,9 +164,7 @@ def test_a_toe_crushes_alike(tmp_path, in_both):
     """
     path = wall_file(tmp_path / "toe.py", TOE)
     found, crushed, thickness, length, height = [], [], 0.1025, 0.45, 0.9
-    for history in in_both(
-        tmp_path, path, "--pushover", 0.3, "--speed", 5e-3, reference=LOCAL
-    ).values():
+    for history in in_both(tmp_path, path, "--pushover 0.3 --speed 5e-3", reference=LOCAL).values():
         summary, force = summarise(history), history.series["base_shear_n"].to_numpy()
         late = history.series["drift_ratio"] > 1e-3
         found.append(
@@ -213,16 +190,16 @@ def test_a_spreader_beam_keeps_the_ratio_of_its_forces(tmp_path, in_both):
         "Wall('column', 0.3, 1.2, precompression=0, brick=Brick(length=0.6, height=0.1),"
         " floors=(Floor(0.6, 400.0), Floor(1.2, 200.0)))",
     )
-    words = ("--floor-share", 0.6, 0.3, "--floor-share", 1.2, 0.7, "--speed", 2e-4)
-    both = in_both(tmp_path, wall, "--pushover", 0.002, *words, yade=SHORT, reference=LOCAL)
+    words = "--pushover 0.002 --floor-share 0.6 0.3 --floor-share 1.2 0.7 --speed 2e-4"
+    both = in_both(tmp_path, wall, words, yade=SHORT, reference=LOCAL)
     for history in both.values():
         assert_allclose(history.displacement[-1, [5, 11], 0], [7.588e-6, 2.4462e-5], rtol=2e-3)
         assert_allclose(history.series["top_force_n"].iloc[-5:].mean(), 50.6, rtol=5e-3)
 
 
 def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
-    words = ("walls/triplet.toml", "--pushover", 0.05, "--speed", 4e-5)
-    for history in in_both(tmp_path, *words, reference=LOCAL).values():
+    words = "walls/triplet.toml --pushover 0.05 --speed 4e-5"
+    for history in in_both(tmp_path, words, reference=LOCAL).values():
         wall, force = history.masonry_wall, history.series["top_force_n"]
         stresses = np.array([force.max(), force.iloc[-20:].mean()]) / (2 * 0.21 * 0.1)
         slides = np.tan(wall.joint.friction_angle) * wall.precompression
@@ -232,12 +209,12 @@ def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
 def test_the_top_is_free_in_a_run_that_continues_after_a_push(tmp_path, yade_command):
     """And it can be pushed again."""
     wall = "Wall('w', 0.9, 0.3, [Opening(0.35, 0.2, 0.2)])"
-    words = [*SHORT, wall_file(tmp_path / "w.py", wall), "--no-pictures", "--dt", 2e-5, "--rest", 0]
-    push = "--pushover", 0.01, "--speed", 2e-3, "--top-rotation", 1e5
+    words = [*SHORT, wall_file(tmp_path / "w.py", wall), "--no-pictures --dt 2e-5 --rest 0"]
+    push = "--pushover 0.01 --speed 2e-3 --top-rotation 1e5"
     first, shaken, again = (tmp_path / f"{name}.h5" for name in ("first", "shaken", "again"))
-    yade_command(*words, *push, "--checkpoint", 10, "--out", first, status=0)
-    for motion, out in ((("--harmonic", 0.05, 0.1, "--cycles", 1), shaken), (push, again)):
-        yade_command(*words, *motion, "--continue", first, "--out", out, status=0)
+    yade_command(*words, push, "--checkpoint 10 --out", first, status=0)
+    for motion, out in (("--harmonic 0.05 0.1 --cycles 1", shaken), (push, again)):
+        yade_command(*words, motion, "--continue", first, "--out", out, status=0)
     top = read_history(shaken).series["top_displacement_m"]
     assert np.ptp(top) > 1e-5
     drift = read_history(again).series["drift_ratio"]

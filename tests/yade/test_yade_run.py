@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, SHORT, wall_file
+from conftest import REPOSITORY, SHORT, in_words, wall_file
 from numpy.testing import assert_allclose
 
 from damage import InputError, load_wall, read_history
@@ -34,22 +34,17 @@ def small_wall(tmp_path_factory):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    "words", [(), ("--contacts", "corners"), ("--contacts", "gauss")], ids="".join
-)
+@pytest.mark.parametrize("words", ["", "--contacts corners", "--contacts gauss"])
 def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp_path, words):
     """Bricks of unequal size, at rest under their weight before they are kicked, and unbroken."""
     out = tmp_path / "small.h5"
     done = yade_command(
         *SHORT,
         small_wall,
-        "--free-vibration",
-        "--rest",
-        0.17,
-        "--out",
+        "--free-vibration --rest 0.17 --out",
         out,
         "--no-pictures",
-        *words,
+        words,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     history = read_history(out)
@@ -67,13 +62,13 @@ def test_cut_bricks_vibrate_as_the_eigenvalue_says(yade_command, small_wall, tmp
 def shaken(yade_command, small_wall, tmp_path_factory):
     """The small wall shaken hard: 1 g at its own period."""
     out = tmp_path_factory.mktemp("shaken") / "small.h5"
-    motion = ("--harmonic", 0.03, 1.5, "--cycles", 2, "--rest", 0.02)
-    yade_command(*SHORT, small_wall, *motion, "--no-pictures", "--out", out, status=0)
+    motion = "--harmonic 0.03 1.5 --cycles 2 --rest 0.02"
+    yade_command(*SHORT, small_wall, motion, "--no-pictures --out", out, status=0)
     return read_history(out)
 
 
 def test_deformable_bricks_are_refused(yade_command, small_wall):
-    refused = yade_command(small_wall, "--bricks", "deformable", "--free-vibration", status=2)
+    refused = yade_command(small_wall, "--bricks deformable --free-vibration", status=2)
     assert "--bricks deformable: YADE moves rigid bodies" in refused.stderr
     assert "use the reference solver: python3 -m damage reference" in refused.stderr
 
@@ -157,16 +152,7 @@ def ended(request, tmp_path_factory, yade_command):
         subprocess.Popen(
             [
                 *command,
-                *SHORT,
-                wall,
-                "--harmonic",
-                "0.1",
-                "0.1",
-                "--rest",
-                "60",
-                "--out",
-                out,
-                "--no-pictures",
+                *in_words([*SHORT, wall, "--harmonic 0.1 0.1 --rest 60 --no-pictures --out", out]),
             ],
             stdout=file,
             stderr=subprocess.STDOUT,
@@ -221,12 +207,7 @@ def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
     done = yade_command(
         *SHORT,
         wall,
-        "--lintel",
-        "none",
-        "--harmonic",
-        0.05,
-        0.5,
-        "--out",
+        "--lintel none --harmonic 0.05 0.5 --out",
         out,
         "--no-pictures",
     )

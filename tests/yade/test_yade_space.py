@@ -21,14 +21,14 @@ from damage.run.checkpoint import checkpoint_path, read_checkpoint
 
 pytestmark = pytest.mark.yade
 
-MOTION = ("--harmonic", 0.05, 0.5, "--cycles", 1, "--rest", 0.02, "--no-pictures", "--out")
+MOTION = "--harmonic 0.05 0.5 --cycles 1 --rest 0.02 --no-pictures"
 DATA = REPOSITORY / "yade_scripts/wall_data.py"
 BRIEF = (*SHORT, "SHORTEST_S=0.1")
 
 
 def _check(yade_command, *words):
     script = REPOSITORY / "tests/yade/checks/space.py"
-    done = yade_command("-n", "-x", "-j1", script, *words, status=0)
+    done = yade_command("-n -x -j1", script, *words, status=0)
     return json.loads(done.stdout.splitlines()[-1])
 
 
@@ -43,7 +43,7 @@ def turned(yade_command, tmp_path_factory):
         '[[walls]]\nfile = "tiny.py"\norigin = [3, 1]\ndirection = 37\n',
     )
     for words, name in (((wall,), "wall"), ((DATA, house), "house")):
-        yade_command(*SHORT, *words, *MOTION, folder / f"{name}.h5", status=0)
+        yade_command(*SHORT, *words, MOTION, "--out", folder / f"{name}.h5", status=0)
     return {name: read_history(folder / f"{name}.h5") for name in ("wall", "house")}
 
 
@@ -139,7 +139,7 @@ def continued(yade_command, whole, words, *times):
 
 def test_a_house_that_was_killed_continues_to_the_same_bits(turned, yade_command):
     whole = turned["house"].path
-    words = (DATA, whole.with_suffix(".toml"), *MOTION[:-1])
+    words = (DATA, whole.with_suffix(".toml"), MOTION)
     there = continued(yade_command, whole, words, 0.03)
     assert there["tracker.broken"].any()
     assert np.abs(there["zero_out_of_plane"]).max() > 0
@@ -165,14 +165,14 @@ def test_a_house_with_corners_and_floors_continues_to_the_same_bits(yade_command
     house = written(tmp_path / "house.toml", text)
     for number, (loading, *times) in enumerate(
         (
-            (("--harmonic", 0.05, 2, "--cycles", 1, "--rest", 0), -1, 0.03),
-            (("--settle", "sagging", "--distortion", 1 / 20000), -0.06),
-            (("--pushover", 0.1, "--floor-share", 0.4, 1), 0.02),
-            (("--harmonic", 0.04, 0.4, "--cycles", 1, "--rest", 0.02), 0.04),
+            ("--harmonic 0.05 2 --cycles 1 --rest 0", -1, 0.03),
+            ("--settle sagging --distortion 1/20000", -0.06),
+            ("--pushover 0.1 --floor-share 0.4 1", 0.02),
+            ("--harmonic 0.04 0.4 --cycles 1 --rest 0.02", 0.04),
         )
     ):
         whole = tmp_path / f"{number}.h5"
-        words = (DATA, cavity(tmp_path) if number == 3 else house, *loading, "--no-pictures")
+        words = (DATA, cavity(tmp_path) if number == 3 else house, loading, "--no-pictures")
         yade_command(*BRIEF, *words, "--out", whole, status=0)
         there = continued(yade_command, whole, words, *times)
         assert there["tracker.broken"].any() or number
@@ -231,8 +231,8 @@ def cavity(tmp_path):
 
 def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path):
     house = cavity(tmp_path)
-    motion, out = ("--harmonic", 0.04, 0.4, "--cycles", 1, "--rest", 0.01), tmp_path / "cavity.h5"
-    yade_command(*SHORT, DATA, house, *motion, "--no-pictures", "--out", out, status=0)
+    motion, out = "--harmonic 0.04 0.4 --cycles 1 --rest 0.01 --no-pictures", tmp_path / "cavity.h5"
+    yade_command(*SHORT, DATA, house, motion, "--out", out, status=0)
     history = read_history(out)
     assert history.house.failed_ties[0] == 0
     assert 0 < history.house.failed_ties[-1] <= 2
@@ -270,7 +270,7 @@ def test_a_motion_in_space_is_the_same_whichever_way_its_components_are_named(
             f'name = "h"\nheading = {heading}\n[[walls]]\nfile = "tiny.py"\n',
         )
         motion = ("--record", words[record], "--across", words[across], "--vertical", words["up"])
-        out = ("--rest", 0.01, "--no-pictures", "--out", house.with_suffix(".h5"))
+        out = ("--rest 0.01 --no-pictures --out", house.with_suffix(".h5"))
         yade_command(*SHORT, DATA, house, *motion, *out, status=0)
         found.append(read_history(house.with_suffix(".h5")))
     one, other = found
@@ -297,7 +297,7 @@ def test_a_push_on_a_slab_meets_the_elastic_stiffness_in_its_direction(yade_comm
     slab = 'level = 0.8\nkind = "concrete"\nwalls = ["a", "b"]\nmass_per_area = 300\n'
     text = f'name = "pair"\nheading = 30\n{walls[0]}{walls[0]}{walls[1]}[[floors]]\n{slab}'
     path, out = written(tmp_path / "house.toml", text), tmp_path / "pair.h5"
-    push = ("--pushover", 0.002, "--floor-share", 0.8, 1.0, "--no-pictures", "--out", out)
+    push = ("--pushover 0.002 --floor-share 0.8 1.0 --no-pictures --out", out)
     yade_command(*SHORT, DATA, path, *push, status=0)
     history, layout = read_history(out), lay_out_house(read_house(path))
     shares = layout.push_shares([(0.8, 1.0)])
@@ -312,7 +312,7 @@ def test_a_push_on_a_slab_meets_the_elastic_stiffness_in_its_direction(yade_comm
 
 def test_what_runs_in_a_plane_alone_is_refused(yade_command, tmp_path):
     said = yade_command(
-        REPOSITORY / "houses/box.toml", "--soil", 3e7, "--out", tmp_path / "a.h5", status=2
+        REPOSITORY / "houses/box.toml", "--soil 3e7 --out", tmp_path / "a.h5", status=2
     ).stderr
     assert "house box with --soil" in said
 
@@ -350,7 +350,7 @@ def test_each_wall_of_a_box_with_windows_has_its_index_and_pictures(
     yade_command, damage_command, tmp_path
 ):
     out = tmp_path / "box.h5"
-    words = ("--harmonic", 0.1, 0.5, "--cycles", 1, "--rest", 0.02, "--out", out)
+    words = ("--harmonic 0.1 0.5 --cycles 1 --rest 0.02 --out", out)
     yade_command(*SHORT, DATA, REPOSITORY / "houses/box.toml", *words, status=0)
     history = read_history(out)
     assert [part.wall for part in history.parts] == ["front", "left", "right", "back"]
