@@ -90,31 +90,17 @@ def test_runs_modes_and_pictures_say_it(tmp_path, capsys):
         "[[openings]]\nleft = 1.2\nwidth = 1.2\nheight = 0.6\nsill = 0.9\n"
     )
     built = "opening 1 built 1.2 x 0.6 m, z = 1 to 1.6 m; given"
-    for words in (
-        ["modes", str(path)],
-        ["draw", str(path), "--out", str(tmp_path / "a.png")],
-        [
-            "reference",
-            str(path),
-            "--harmonic",
-            "0.05",
-            "0.01",
-            "--cycles",
-            "1",
-            "--rest",
-            "0",
-            "--no-pictures",
-            "--out",
-            str(tmp_path / "a.h5"),
-        ],
-    ):
-        assert main(words) == 0
+    run = "reference {0} --harmonic 0.05 0.01 --cycles 1 --rest 0 --no-pictures --out {1}/a.h5"
+    for words in ("modes {0}", "draw {0} --out {1}/a.png", run):
+        assert main(words.format(path, tmp_path).split()) == 0
         said = capsys.readouterr()
         assert (
             "warning: whole courses of 0.2 m leave differences above 0.25 of a course or 5 %:"
             f" {built}" in said.err
         )
-        assert words[0] == "draw" or any(line.startswith(built) for line in said.out.splitlines())
+        assert words.startswith("draw") or any(
+            line.startswith(built) for line in said.out.splitlines()
+        )
     assert any(built in line for line in summarise(read_history(tmp_path / "a.h5"))["warnings"])
 
 

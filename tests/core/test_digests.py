@@ -6,7 +6,7 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import REPOSITORY, contents, written
+from conftest import REPOSITORY, written
 
 from damage.provenance import (
     HERE,
@@ -18,7 +18,6 @@ from damage.provenance import (
     measures_digest,
     model_digest,
 )
-from damage.reference.session import run_reference
 
 
 def test_the_digest_is_of_what_decides_values_alone(tmp_path):
@@ -69,26 +68,6 @@ def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
         "sha256": "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e",
     }
     assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
-
-
-def test_the_same_command_gives_the_same_bits(tmp_path, monkeypatch):
-    """All that a run writes of its wall; when it ran and where it wrote differ."""
-    monkeypatch.chdir(REPOSITORY)
-    paths = [tmp_path / name for name in ("a.h5", "b.h5")]
-    for path in paths:
-        words = [
-            "walls/variants/small.py",
-            "--harmonic",
-            "0.06",
-            "0.6",
-            "--rest",
-            "0",
-            "--no-pictures",
-        ]
-        assert run_reference([*words, "--out", str(path)]) == 0
-    first, second = map(contents, paths)
-    assert first.keys() == second.keys() and len(first) > 50
-    assert [name for name in first if first[name] != second[name]] == []
 
 
 SOLVERS = {"reference": REPOSITORY / "damage" / "reference", "yade": REPOSITORY / "yade_scripts"}

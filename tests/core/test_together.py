@@ -22,24 +22,12 @@ from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
 from damage.run.run import LOOK_STEPS
 
-SHAKEN = (
-    "--harmonic",
-    "0.05",
-    "0.8",
-    "--cycles",
-    "2",
-    "--rest",
-    "0",
-    "--strength-cov",
-    "0.3",
-    "--inputs",
-    "typical",
-)
+SHAKEN = "--harmonic 0.05 0.8 --cycles 2 --rest 0 --strength-cov 0.3 --inputs typical"
 OTHERS = {
-    3: ("--harmonic", "0.2", "2", "--strength-cov", "0.3"),  # falls
-    4: (*SHAKEN, "--rest", "0.02", "--sequence", "1,0.5"),  # takes longer
-    5: (*SHAKEN, "--scatter", "0.01"),
-    6: (*SHAKEN, "--cells", "3"),
+    3: "--harmonic 0.2 2 --strength-cov 0.3",  # falls
+    4: f"{SHAKEN} --rest 0.02 --sequence 1,0.5",  # takes longer
+    5: f"{SHAKEN} --scatter 0.01",
+    6: f"{SHAKEN} --cells 3",
 }  # cannot be in a batch with the others
 PROGRAM = """
 import sys
@@ -57,21 +45,15 @@ def tiny(tmp_path):
     return wall_file(tmp_path / "tiny.py", TINY)
 
 
+def line(wall, folder, k, words):
+    """The words of the run of member k."""
+    return f"{wall} {words} --strength-seed {k} --out {folder}/m{k}.h5 --no-pictures".split()
+
+
 def lines(wall, folder, count=8):
     """{name: words} of so many runs."""
     folder.mkdir()
-    return {
-        f"m{k}": [
-            str(wall),
-            *OTHERS.get(k, SHAKEN),
-            "--strength-seed",
-            str(k),
-            "--out",
-            str(folder / f"m{k}.h5"),
-            "--no-pictures",
-        ]
-        for k in range(1, count + 1)
-    }
+    return {f"m{k}": line(wall, folder, k, OTHERS.get(k, SHAKEN)) for k in range(1, count + 1)}
 
 
 @pytest.fixture(scope="module")
@@ -186,21 +168,9 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
     wall_file(tiny, TINY.replace("0.6", "0.675"))
     walls = RestCache()
 
-    def run(folder, numbers, *words):
+    def run(folder, numbers, words=""):
         (tmp_path / folder).mkdir()
-        asked = {
-            f"m{k}": [
-                str(tiny),
-                *SHAKEN,
-                *words,
-                "--strength-seed",
-                str(k),
-                "--out",
-                str(tmp_path / folder / f"m{k}.h5"),
-                "--no-pictures",
-            ]
-            for k in numbers
-        }
+        asked = {f"m{k}": line(tiny, tmp_path / folder, k, f"{SHAKEN} {words}") for k in numbers}
         moved.clear()
         assert dict(run_references(asked.items(), None, walls)) == dict.fromkeys(asked, 0)
         resting = sum(steps == [LOOK_STEPS] for group in moved for _, *steps in group)
@@ -208,14 +178,14 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
 
     first, resting = run("first", range(1, 8))
     assert resting > 10
-    again, none = run("again", range(1, 8), "--harmonic", "0.05", "0.7")
+    again, none = run("again", range(1, 8), "--harmonic 0.05 0.7")
     assert none == 0 and again != first
     # the last one's wall is not there
-    some, of_one = run("some", range(2, 9), "--harmonic", "0.05", "0.7")
+    some, of_one = run("some", range(2, 9), "--harmonic 0.05 0.7")
     assert 10 < of_one < resting / 2
     for name in list(some)[:-1]:
         assert some[name] == again[name]
-    assert run("others", range(1, 8), "--scatter", "0.01")[1] > 10
+    assert run("others", range(1, 8), "--scatter 0.01")[1] > 10
 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):

@@ -39,7 +39,8 @@ from damage.reference.solver import ReferenceSolver
 
 SMALL = "walls/variants/small.py"
 DAMAGE = (sys.executable, "-m", "damage")
-SHAKEN = ["--harmonic", "0.06", "0.6", "--rest", "1", "--no-pictures"]
+SHAKEN = "--harmonic 0.06 0.6 --rest 1 --no-pictures"
+BRIEFLY = f"{SMALL} --harmonic 0.1 0.1 --rest 0"
 STUDY = """name = "s"
 pictures = "none"
 [[runs]]
@@ -82,16 +83,15 @@ def history(tmp_path):
 class TestFullDisk:
     @pytest.fixture(scope="class")
     def whole(self, tmp_path_factory):
-        return run_here(tmp_path_factory.mktemp("whole") / "run.h5", REPOSITORY / SMALL, *SHAKEN)
+        return run_here(tmp_path_factory.mktemp("whole") / "run.h5", REPOSITORY / SMALL, SHAKEN)
 
     @pytest.mark.parametrize("share", [0.05, 0.9])
-    def test_a_run_ends_and_keeps_what_was_flushed(self, share, whole, tmp_path):
+    def test_a_run_ends_and_keeps_what_was_flushed(self, share, whole, tmp_path, damage_command):
         out = tmp_path / "run.h5"
-        done = run_command(
-            *DAMAGE,
+        done = damage_command(
             "reference",
             SMALL,
-            *SHAKEN,
+            SHAKEN,
             "--out",
             out,
             **limited(resource.RLIMIT_FSIZE, int(share * whole.path.stat().st_size)),
@@ -116,7 +116,7 @@ class TestFullDisk:
         done = yade_command(
             *SHORT,
             SMALL,
-            *SHAKEN,
+            SHAKEN,
             "--out",
             out,
             status=1,
@@ -130,20 +130,10 @@ class TestFullDisk:
         monkeypatch.setattr("shutil.disk_usage", lambda folder: SimpleNamespace(free=5e5))
         refused_with(r"0\.5 MB free", check_output, tmp_path / "run.h5")
 
-    def test_a_file_of_a_command_is_whole_or_not_there(self, history, tmp_path):
-        out = tmp_path / "out"
-        one_error(
-            run_command(
-                *DAMAGE,
-                "tables",
-                "run",
-                history,
-                "--out",
-                out / "t",
-                **limited(resource.RLIMIT_FSIZE, 100),
-            ),
-            "cannot write",
-        )
+    def test_a_file_of_a_command_is_whole_or_not_there(self, history, tmp_path, damage_command):
+        out, little = tmp_path / "out", limited(resource.RLIMIT_FSIZE, 100)
+        done = damage_command("tables run", history, "--out", out / "t", **little)
+        one_error(done, "cannot write")
         assert list(out.iterdir()) == []
 
     def test_what_cannot_be_printed_is_reported(self, history):
@@ -159,8 +149,7 @@ class TestFullDisk:
 
     def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(self, tmp_path, capsys):
         (tmp_path / "run").write_text("no folder")  # where the pictures would go
-        words = ["--harmonic", "0.1", "0.1", "--cycles", "1", "--rest", "0", "--out"]
-        assert run_reference([str(REPOSITORY / SMALL), *words, str(tmp_path / "run.h5")]) == 0
+        assert run_reference(f"{REPOSITORY}/{BRIEFLY} --out {tmp_path}/run.h5".split()) == 0
         said = capsys.readouterr().err
         assert "warning: the history is whole, its pictures failed (cannot write" in said
         assert read_history(tmp_path / "run.h5").complete
@@ -171,17 +160,8 @@ class TestFullDisk:
         study = written(tmp_path / "s.toml", STUDY)
         wall_file(tmp_path / "tiny.py", TINY)
         with disk(tmp_path / "disk", "size=6000k") as folder:
-            words = [
-                sys.executable,
-                "-c",
-                WITH_LEAST,
-                study,
-                "--solver",
-                "reference",
-                "-j2",
-                "--out",
-                folder / "out",
-            ]
+            words = [sys.executable, "-c", WITH_LEAST, study, "--solver", "reference", "-j2"]
+            words += ["--out", folder / "out"]
             batch = started(words)
             wait_until(
                 lambda: batch.poll() is not None or list((folder / "out/runs").glob("*.part.h5"))
@@ -237,16 +217,11 @@ def fill(folder, leave_kilobytes):
 
 
 class TestMemory:
-    def test_too_little_to_begin_with_is_reported_before_a_library_hangs(self, tmp_path):
-        done = run_command(
-            *DAMAGE,
-            "reference",
-            SMALL,
-            "--out",
-            tmp_path / "a.h5",
-            timeout=60,
-            **limited(resource.RLIMIT_AS, 150_000_000),
-        )
+    def test_too_little_to_begin_with_is_reported_before_a_library_hangs(
+        self, tmp_path, damage_command
+    ):
+        little = limited(resource.RLIMIT_AS, 150_000_000)
+        done = damage_command("reference", SMALL, "--out", tmp_path / "a.h5", timeout=60, **little)
         one_error(done, "out of memory: this process may have 150 MB (ulimit -v): expected")
         assert not (tmp_path / "a.h5").exists()
 
@@ -257,10 +232,7 @@ class TestMemory:
         monkeypatch.chdir(REPOSITORY)
         monkeypatch.setattr("damage.run.session.report", none)
         out = tmp_path / "a.h5"
-        assert (
-            run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)])
-            == 0
-        )
+        assert run_reference(f"{BRIEFLY} --out {out}".split()) == 0
         assert read_history(out).complete and f"warning: {out} is kept" in capsys.readouterr().err
 
     def test_a_run_without_memory_is_reported_and_its_history_says_failed(
@@ -275,10 +247,7 @@ class TestMemory:
         monkeypatch.chdir(REPOSITORY)
         monkeypatch.setattr(ReferenceSolver, "advance", full)
         out = tmp_path / "a.h5"
-        assert (
-            run_reference([SMALL, "--harmonic", "0.1", "0.1", "--rest", "0", "--out", str(out)])
-            == 1
-        )
+        assert run_reference(f"{BRIEFLY} --out {out}".split()) == 1
         assert read_history(out).status == "failed"
         assert "error: out of memory (no more to be had)" in capsys.readouterr().err
 
@@ -286,22 +255,10 @@ class TestMemory:
 class TestSignals:
     """Of a run; those of studies are in `test_study.py`."""
 
-    SHAKEN = (
-        *DAMAGE,
-        "reference",
-        SMALL,
-        "--harmonic",
-        "0.1",
-        "0.2",
-        "--rest",
-        "60",
-        "--no-pictures",
-        "--out",
-    )
-
     def started(self, out, hangup=signal.SIG_DFL):
         """A run that has written samples, and began with this handling of SIGHUP."""
-        process = started((*self.SHAKEN, out), hangup)
+        words = f"reference {SMALL} --harmonic 0.1 0.2 --rest 60 --no-pictures --out {out}"
+        process = started([*DAMAGE, *words.split()], hangup)
         wait_until(lambda: n_samples(out) or process.poll() is not None)
         return process
 
