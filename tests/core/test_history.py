@@ -2,16 +2,11 @@
 
 import json
 import os
-import signal
-import subprocess
-import sys
-import textwrap
-import time
 
 import h5py
 import numpy as np
 import pytest
-from conftest import REPOSITORY, refused_with
+from conftest import refused_with
 from numpy.testing import assert_allclose
 
 from damage import Brick, ModelOptions, Opening, Wall, read_history
@@ -162,33 +157,6 @@ def test_every_dataset_names_its_unit(tmp_path):
             )
         )
     assert missing == []
-
-
-def test_what_was_flushed_is_whole_after_sigkill(tmp_path):
-    script = textwrap.dedent("""
-        import sys
-        sys.path[:0] = ["tests/core", "tests", "."]
-        from test_history import open_writer, write_samples
-        writer = open_writer(sys.argv[1])
-        for round_ in range(10**6):
-            write_samples(writer, 16, first=16 * round_)
-            writer.flush()
-            if round_ == 20: print("ready", flush=True)
-    """)
-    path = tmp_path / "a.h5"
-    child = subprocess.Popen(
-        [sys.executable, "-c", script, path], cwd=REPOSITORY, stdout=subprocess.PIPE
-    )
-    assert child.stdout.readline() == b"ready\n"
-    time.sleep(0.2)
-    os.kill(child.pid, signal.SIGKILL)
-    child.wait()
-    child.stdout.close()
-    history = read_history(path)
-    n = len(history.series)
-    assert history.status == "unfinished" and n >= 16 * 20
-    assert_allclose(history.series.time_s, 0.1 * np.arange(n))
-    assert_allclose(history.opening_m[:, 0], 1e-5 * np.arange(n), rtol=1e-6)
 
 
 @pytest.mark.parametrize(

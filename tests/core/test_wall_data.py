@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, written
+from conftest import REPOSITORY, written
 from numpy.testing import assert_allclose
 
 from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, load_wall, masonry
@@ -113,31 +113,6 @@ class TestData:
         ]
         assert_allclose(named.young_modulus, brick.young_modulus)
 
-    @pytest.mark.parametrize(
-        ("table", "message"),
-        [
-            ({"joint": {"friction": 0.5, "friction_angle": 0.5}}, "leave one out"),
-            ({"joint": {"friction": "high"}}, "friction"),
-            ({"joint": {"mode_i_fracture_energy": "rul"}}, "mode_i"),
-            ({"joint": {"compressive_fracture_energy": "rule"}}, "compressive_strength=..."),
-            (
-                {"joint": {"mode_i_fracture_energy": "rule", "tensile_strength": 0.0}},
-                "tensile_strength=...",
-            ),
-            (
-                {"masonry": {"young_modulus": 4.9e9}, "brick": {"shear_modulus": 2e9}},
-                "shear_modulus beside",
-            ),
-            ({"masonry": {"young_modulus": "stiff"}}, "young_modulus"),
-            ({"masonry": {"young_modulus": 4.9e9, "mortar": 0.01}}, "beside [brick] and [joint]"),
-            ({"masonry": {"young_modulus": 4.9e12}}, "softer"),
-        ],
-    )
-    def test_what_would_be_misread_is_refused(self, table, message):
-        assert message in one_line_error(
-            wall_from, {"name": "w", "length": 2, "height": 1, **table}
-        )
-
     def test_a_byte_order_mark_and_dots_in_words_are_read(self, house):
         house.write_text(
             TEXT.replace("height = 4.2", f"height = 4.2 # {'.' * 200}"), encoding="utf-8-sig"
@@ -194,20 +169,6 @@ class TestMaterials:
         said = output_of("materials")
         assert all(name in said for name in (*MATERIALS, *FORMATS)) and "Graziotti" in said
         assert json.loads(output_of("materials", "--json")) == json.loads(json_text(as_dict()))
-
-    @pytest.mark.parametrize(
-        ("arguments", "named", "message"),
-        [
-            (("mud", "waalformaat"), {}, "did you mean"),
-            (("clay", "waalformat"), {}, "did you mean waalformaat"),
-            (("clay", "waalformaat"), {}, "give tensile_strength"),
-            (("clay-weak", "rijnvorm"), {"cohesoin": 1}, "cohesion"),
-            (("clay-weak", "rijnvorm"), {"mortar": -1}, "0 to 0.05"),
-        ],
-    )
-    def test_bad_input(self, arguments, named, message):
-        line = one_line_error(masonry, *arguments, **named)
-        assert message in line or "expected one of" in line
 
 
 class TestPreview:

@@ -547,7 +547,7 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
         *said, folder, digest = run_command(
             sys.executable, "-c", program, cwd=tmp_path, check=True, env=env
         ).stdout.splitlines()
-        assert said in ([], [COMPILING])
+        assert said[:1] in ([], [COMPILING])  # and lines while that lasts
         folder = Path(folder)
         assert folder.is_relative_to(tmp_path / "kept")
         (index,) = folder.glob("bodies.turn_far-*.nbi")
