@@ -1,5 +1,5 @@
-"""Histories of short runs in the reference solver: `run_of` of `conftest.py` makes each once, where
-a test asks for it.
+"""Solvers of walls, and histories of short runs in the reference solver: `run_of` of `conftest.py`
+makes each once, where a test asks for it.
 
 They are of the small wall that ships, five bricks by eight courses with a window, but for the
 house.
@@ -8,7 +8,16 @@ house.
 from dataclasses import replace
 
 from damage import Brick, Floor, Joint, Wall
+from damage.law.modes import natural_modes
+from damage.reference.solver import ReferenceSolver
 from walls.variants.small import wall
+
+
+def solver_of(layout, share=0.6, **how):
+    """The ReferenceSolver of a layout, with a step of this share of the critical one."""
+    step_s = share * natural_modes(layout, 1).critical_time_step_s
+    return ReferenceSolver(layout, step_s, **how)
+
 
 SMALL = wall()
 SOFT = replace(

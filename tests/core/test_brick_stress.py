@@ -6,11 +6,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from short_runs import solver_of
 from small_history import make_history
 
 from damage import Brick, Joint, ModelOptions, Wall
 from damage.applications.studies.records import record_of
-from damage.linear.modes import natural_modes
 from damage.measure.brick_stress import (
     bricks_table,
     principal_stresses,
@@ -18,7 +18,6 @@ from damage.measure.brick_stress import (
     warn_of_splitting,
 )
 from damage.measure.tables import write_run_tables
-from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
@@ -73,7 +72,7 @@ def test_a_bent_brick_has_the_mean_moment_of_beam_theory():
         n_joints=int(np.sum(kept.kind != CAP)),
         strain=strain_of(wall.brick, layout.options, layout.bodies, kept, layout.n_bricks),
     )
-    solver = ReferenceSolver(layout, 0.1 * natural_modes(layout, 1).critical_time_step_s)
+    solver = solver_of(layout, 0.1)
     solver.add_static_displacement()
     (stress, _), load = (
         np.einsum("bpsm,bm->bps", stress_by_modes(layout), solver.system.place[:-1, 3:]),

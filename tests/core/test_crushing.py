@@ -9,6 +9,7 @@ import pytest
 from conftest import one_line_error
 from numpy.testing import assert_allclose
 from pytest import approx
+from short_runs import solver_of
 from small_history import make_history
 
 from damage.law.joint_law import (
@@ -20,10 +21,8 @@ from damage.law.joint_law import (
     elastic_energy,
     range_left,
 )
-from damage.linear.modes import natural_modes
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.reference.wall import ReferenceWall
 from damage.wall.file import wall_from
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
@@ -201,7 +200,7 @@ class TestDiagonalTension:
     def test_a_cut_bears_what_the_stress_above_and_below_it_allows(self):
         """In the middle of a wall at rest: its load and half of its weight, within 2 %."""
         layout = lay_out(Wall("small", 0.9, 0.375, brick=SPLITTING))
-        wall = ReferenceWall(layout, 0.3 * natural_modes(layout, 1).critical_time_step_s)
+        wall = solver_of(layout, 0.3)
         wall.adaptive_damping = 1.0
         wall.start(np.zeros((0, 2)))
         wall.run(round(0.1 / wall.time_step))

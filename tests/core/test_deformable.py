@@ -15,7 +15,9 @@ from conftest import one_line_error, total_energy
 from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
+from short_runs import solver_of
 
+from damage import Brick, Joint, ModelOptions, Wall, load_wall
 from damage.draw.run import save_all
 from damage.eigen import eigen
 from damage.linear.modes import (
@@ -30,10 +32,7 @@ from damage.reference.solver import ReferenceSolver
 from damage.run.banner import describe_brick
 from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
-from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Wall
 from damage.wall.strain import MASS_FACTOR, brick_modes, elasticity_of, modes_of
 from verification.triangles import Mesh
 
@@ -297,10 +296,6 @@ def test_mass_scaling_lengthens_the_step_and_leaves_the_period():
 
 
 # --- dynamics -----------------------------------------------------------------------------------
-
-
-def solver_of(layout, factor=0.5):
-    return ReferenceSolver(layout, factor * natural_modes(layout, 1).critical_time_step_s)
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.1])

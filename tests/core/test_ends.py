@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import total_energy
 from numpy.testing import assert_allclose
+from short_runs import solver_of
 
 from damage import Brick, Joint, ModelOptions, Wall
 from damage.law.states import ENDED, ENDING, FAILED
@@ -27,9 +28,7 @@ def pair(joint=DRY, new_contacts=False, **options):
     1."""
     wall = Wall("pair", LENGTH, 2 * HEIGHT, precompression=0.0, joint=Joint(**joint))
     layout = lay_out(wall, ModelOptions(**options))
-    wall = ReferenceSolver(
-        layout, 0.3 * natural_modes(layout).critical_time_step_s, new_contacts=new_contacts
-    )
+    wall = solver_of(layout, 0.3, new_contacts=new_contacts)
     come_to_rest(wall)
     return wall
 

@@ -14,24 +14,21 @@ import numpy as np
 import pytest
 from conftest import total_energy
 from numpy.testing import assert_allclose
+from short_runs import solver_of
 from test_deformable import orders
 from test_soil import periods
 from test_widths import everything
 
+from damage import Brick, Floor, Joint, Lintel, ModelOptions, Opening, Wall
 from damage.law.states import BROKEN, CRUSHED, ENDED
 from damage.linear.modes import natural_modes
 from damage.mechanics.tables import INPUT
 from damage.motion.loading import FreeVibration
 from damage.reference.lanes import run_together
 from damage.reference.session import BACKEND
-from damage.reference.solver import ReferenceSolver
 from damage.run.settings import RunSettings
 from damage.units import GRAVITY
-from damage.wall.floors import Floor
 from damage.wall.layout import lay_out
-from damage.wall.lintels import Lintel
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 BRICK = Brick(0.2, 0.1, 0.1, 2000.0)
 WEAK = Joint(tensile_strength=2e4, cohesion=3e4)
@@ -347,7 +344,7 @@ def tilt(layout, closed):
     """Rotation of the block at rest under a horizontal acceleration by which `closed` of its base's
     length bears, over that of Navier's triangle of stresses, of length c: 2 N / (k c^2)."""
     weight, c = GRAVITY * layout.total_mass, closed * LENGTH
-    solver = ReferenceSolver(layout, 0.5 * natural_modes(layout, 1).critical_time_step_s)
+    solver = solver_of(layout, 0.5)
     solver.damp(adaptive=1.0)
     along = (LENGTH / 2 - c / 3) / (HEIGHT / 2) * GRAVITY
     solver.start(np.tile([along, 0.0], (20_002, 1)))

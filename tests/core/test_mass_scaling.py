@@ -12,6 +12,7 @@ from scipy.sparse.linalg import splu
 from short_runs import SMALL
 
 import damage
+from damage import ModelOptions, Wall, load_wall
 from damage.errors import RunError
 from damage.house.drawn import drawn, ranges
 from damage.linear.modes import Modes, inside_lintels, mass_vector, natural_modes, stiffness_matrix
@@ -22,11 +23,8 @@ from damage.reference.wall import ReferenceWall
 from damage.run import monitor, scheme
 from damage.run.monitor import Borne
 from damage.run.schedule import STEP_FACTOR
-from damage.wall.file import load_wall
 from damage.wall.kinds import LINTEL_COURSE
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Wall
 from damage.wall.restraints import Restraint
 
 SYMMETRIC = REPOSITORY / "walls" / "variants" / "symmetric_softening.py"

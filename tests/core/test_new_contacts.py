@@ -9,6 +9,7 @@ import pytest
 import test_ends
 from conftest import run_here, wall_file
 from numpy.testing import assert_allclose
+from short_runs import solver_of
 from test_ends import DRY, GRAVITY, HEIGHT, LENGTH, ended
 from test_widths import ACTIONS, act, make
 
@@ -20,7 +21,6 @@ from damage.law.states import ENDED, ENDING, FAILED
 from damage.linear.modes import natural_modes
 from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
-from damage.reference.solver import ReferenceSolver
 from damage.run.monitor import fastest_fallen
 from damage.run.settings import RESTS_BELOW_M_S
 from damage.wall.geometry import body_corners, body_table, joint_gaps
@@ -137,10 +137,7 @@ def fallen_wall():
     wall = Wall(
         "spandrel", 1.8, 0.9, [Opening(0.45, 0.9, 0.675)], precompression=0.0, joint=Joint(**DRY)
     )
-    layout = lay_out(wall, ModelOptions(lintel="none"))
-    return ReferenceSolver(
-        layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True
-    )
+    return solver_of(lay_out(wall, ModelOptions(lintel="none")), new_contacts=True)
 
 
 def test_a_spandrel_without_a_lintel_falls_and_rests():

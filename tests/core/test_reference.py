@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from conftest import rigid_turn
 from numpy.testing import assert_allclose
+from short_runs import solver_of
 
 from damage import Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes
 from damage.measure.energy import energy_error
 from damage.measure.summary import summarise
-from damage.reference.solver import ReferenceSolver
 from damage.reference.wall import ReferenceWall
 from damage.wall.layout import lay_out
 
@@ -22,8 +22,7 @@ STRONG = Joint(tensile_strength=1e12, cohesion=1e12)
 
 def small_solver(joint=WEAK, factor=0.35, wall=SMALL, **options):
     wall = Wall(wall.name, wall.length, wall.height, wall.openings, joint=joint)
-    layout = lay_out(wall, ModelOptions(**options))
-    return ReferenceSolver(layout, factor * natural_modes(layout).critical_time_step_s)
+    return solver_of(lay_out(wall, ModelOptions(**options)), factor)
 
 
 def settle(solver, seconds=0.3):

@@ -10,6 +10,7 @@ import pytest
 from conftest import written
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import brentq
+from short_runs import solver_of
 
 from damage import Brick, Joint, ModelOptions, Wall
 from damage.linear.modes import natural_modes
@@ -75,7 +76,7 @@ class TestStrip:
     )
     def test_mechanism_load_and_displacement_capacity_follow_the_closed_form(self, rotation, load):
         layout = strip(load=load, restraint=Restraint("top", rotation))
-        wall = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+        wall = solver_of(layout)
         wall.damp(local=0.7)
         wall.run(round(0.4 / wall.time_step))
         wall.hold(layout.pushed_bodies, rotation=False)
@@ -120,7 +121,7 @@ class TestStrip:
             light.total_mass == pytest.approx(heavy.total_mass) and light.bodies.mass[-1] == 100.0
         )
         for layout in (light, heavy):
-            wall = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+            wall = solver_of(layout)
             wall.damp(local=0.7)
             wall.run(round(0.5 / wall.time_step))
             assert_allclose(wall.base_reaction(), GRAVITY * layout.total_mass, rtol=1e-4)
@@ -204,7 +205,7 @@ def test_party_walls_share_the_inertia_of_a_block_by_their_stiffness():
             restraints=[Restraint("left"), Restraint("right")],
         )
     )
-    wall = ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s)
+    wall = solver_of(layout, 0.3)
     wall.damp(local=0.7)
     wall.start(np.full((4000, 2), [2.0, 0.0]))
     wall.run(4000)

@@ -9,14 +9,13 @@ import pytest
 from checks.settling_support import pier, settle
 from conftest import REPOSITORY, parsed, refused_with, rigid_turn, written
 from numpy.testing import assert_allclose
-from short_runs import SMALL
+from short_runs import SMALL, solver_of
 
 import damage
 from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, read_history
 from damage.applications.cracks.compare import compare, describe
 from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
-from damage.linear.modes import natural_modes
 from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
@@ -26,7 +25,6 @@ from damage.motion.loading import AtRest, Harmonic
 from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
-from damage.reference.wall import ReferenceWall
 from damage.run.cooperative import take_turns
 from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
@@ -180,7 +178,7 @@ def test_bad_profiles_are_one_line(tmp_path, text, said):
 def test_a_tilt_of_the_whole_base_is_a_rigid_body_motion():
     """To 1e-9 m without weight, which would shear the tilted wall."""
     layout = lay_out(PIER, ModelOptions(supports="bricks"))
-    solver = ReferenceSolver(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+    solver = solver_of(layout)
     tilt = Settlement("tilt", 1 / 200)
     n, interval = 100, tilt.moving_s(PIER.length) / 100
     steps = round(interval / solver.time_step)
@@ -421,7 +419,7 @@ def test_one_support_and_one_below_each_brick_give_the_same_wall():
             scatter=0.3,
             seed=4,
         )
-        wall = ReferenceWall(layout, 0.6 * natural_modes(layout).critical_time_step_s)
+        wall = solver_of(layout)
         wall.start(Harmonic(0.02, 2.0).drive.base(np.arange(600) * wall.time_step))
         wall.run(600)
         walls.append(wall)

@@ -10,13 +10,12 @@ from conftest import refused_with
 from scipy.linalg import eigh
 
 import damage
+from damage import Brick, ModelOptions, Wall
 from damage.linear.modes import mass_vector, natural_modes, stiffness_matrix
 from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.energy import energy_error_of
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Wall
 from damage.wall.soil import fastest_decay, radiation_times
 
 SOIL, FOOTING = 1e8, 0.4

@@ -16,9 +16,10 @@ from conftest import REPOSITORY, in_python, run_command
 from numba import njit
 from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
+from short_runs import solver_of
 
+from damage import Brick, Joint, ModelOptions, Opening, Wall
 from damage.law.states import ENDED, FAILED
-from damage.linear.modes import natural_modes
 from damage.mechanics import bodies, samples, step
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.simd import (
@@ -43,8 +44,6 @@ from damage.reference import ensembles
 from damage.reference.lanes import MOST_LANES, run_together
 from damage.reference.solver import ReferenceSolver
 from damage.wall.layout import lay_out
-from damage.wall.model_options import ModelOptions
-from damage.wall.parameters import Brick, Joint, Opening, Wall
 
 WEAK = {"tensile_strength": 3e4, "cohesion": 8e4}
 KINDS = {
@@ -79,7 +78,7 @@ def make(kind, seed=0, **more):
     )
     scatter = {"strength_cov": 0.3, "strength_seed": seed} if seed else {}
     layout = lay_out(wall, ModelOptions(**options, **scatter))
-    return ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **more)
+    return solver_of(layout, 0.3, **more)
 
 
 def begin(wall, push=0.0, to_and_fro=False, spread=0.0, vertical=0.0, pga_g=2.0, **damping):
@@ -437,10 +436,7 @@ def all_results(n_walls):
         (relaxed, {}, deformable, "deformable_"),
         (damped, CASES[damped], deformable, "deformable_"),
     ):
-        walls = [
-            ReferenceSolver(layout, 0.3 * natural_modes(layout).critical_time_step_s, **options)
-            for _ in range(n_walls)
-        ]
+        walls = [solver_of(layout, 0.3, **options) for _ in range(n_walls)]
         case(walls, lambda steps, walls=walls: run_together(walls, steps))
         wall = walls[0]
         steps, joints, kinds, values = super(ReferenceSolver, wall).drain_events()
