@@ -1,6 +1,7 @@
 """What several tests share: the repository, the shipped walls, the real commands."""
 
 import functools
+import json
 import os
 import pty
 import re
@@ -345,6 +346,14 @@ def driver():
     """A browser without a network."""
     with browser() as driver:
         yield driver
+
+
+def logged(driver):
+    """(Messages of the console, URLs that were requested) since these were asked for last."""
+    messages = [one["message"] for one in driver.get_log("browser") if one["level"] != "DEBUG"]
+    events = (json.loads(one["message"])["message"] for one in driver.get_log("performance"))
+    requests = (one for one in events if one["method"] == "Network.requestWillBeSent")
+    return messages, {one["params"]["request"]["url"] for one in requests}
 
 
 def wait_until(condition, at_most_s=300):

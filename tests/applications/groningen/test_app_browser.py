@@ -5,33 +5,42 @@ narrow, dark, languages.
 """
 
 import base64
-import io
 import re
 import threading
 import time
 
 import numpy as np
 import pytest
-from conftest import IN_BROWSER, written
+from conftest import IN_BROWSER, logged, written
 
 pytest.importorskip("selenium", reason="selenium is not installed: bash scripts/browser.sh")
 pytest.importorskip("flask", reason="Flask is not installed: bash scripts/browser.sh")
-from PIL import Image, ImageDraw
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
-from test_app import FRONT
+from test_app import (
+    CORNERS,
+    CRACKS,
+    EAVES,
+    FRONT,
+    LENGTH,
+    RIDGE,
+    ROOT,
+    TOKEN,
+    WINDOW,
+    photographed,
+    red_ends,
+)
 
 from benchmarks.report_in_browser import screenshot
 from damage.applications.cracks.crack_file import read_cracks
 from damage.applications.groningen.app.desk import words
-from damage.applications.groningen.app.photo import MARGIN_M, homography
+from damage.applications.groningen.app.photo import MARGIN_M
 from damage.applications.groningen.app.server import make_app
 from damage.measure.cracks import ends_of
 
 pytestmark = IN_BROWSER
-TOKEN, ROOT = "a token of the test", "/room"
 WORDS = words()
 
 
@@ -42,16 +51,6 @@ def page(driver, tmp_path):
 
     server = make_server("127.0.0.1", 0, None, threaded=True)
     server.app = app = make_app(tmp_path / "claim", server.server_port, TOKEN, ROOT)
-    app.answers, inner = [], app.wsgi_app
-
-    def watched(environ, start):
-        def begin(status, *more):
-            app.answers.append((environ["PATH_INFO"], status[:3]))
-            return start(status, *more)
-
-        return inner(environ, begin)
-
-    app.wsgi_app = watched
     threading.Thread(target=server.serve_forever, daemon=True).start()
     driver.set_window_size(1300, 1000)
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
@@ -64,7 +63,7 @@ def page(driver, tmp_path):
 
 
 def open_page(driver, address):
-    driver.get_log("browser")
+    logged(driver)
     driver.get(address)
     ready(driver)
 
@@ -108,52 +107,9 @@ def click_at(driver, name, across, up):
 
 def silent(driver):
     """The console has nothing to say, and all requests went to the loopback interface."""
-    asked = {
-        url
-        for entry in driver.get_log("performance")
-        for url in re.findall(r'"url":"(https?://[^"]+)"', entry["message"])
-    }
-    assert [entry for entry in driver.get_log("browser") if entry["level"] != "DEBUG"] == []
-    assert {url for url in asked if not url.startswith("http://127.0.0.1:")} == set()
-
-
-LENGTH, EAVES, RIDGE = 2.2, 1.2, 1.8
-WINDOW = 0.88, 0.3, 1.32, 0.9
-CRACKS = {"A": [(0.44, 0.15), (0.88, 0.45)], "B": [(1.32, 0.9), (1.54, 1.2)]}
-"""A gabled front, its window (left, lower, right, upper edge) and its cracks [m]."""
-
-
-def photographed():
-    """(JPEG of that front seen at an angle, with red cracks, function from places on it [m] to
-    pixels)."""
-    corners = np.array([[0, 0], [LENGTH, 0], [LENGTH, EAVES], [0, EAVES]], float)
-    seen = np.array([[120, 800], [1060, 730], [1000, 330], [160, 290]], float)
-    to_pixels = homography(corners, seen)
-
-    def at(places):
-        u, v, w = to_pixels @ np.column_stack([places, np.ones(len(places))]).T
-        return [tuple(map(float, point)) for point in zip(u / w, v / w)]
-
-    picture = Image.new("RGB", (1200, 900), (120, 150, 190))
-    pen = ImageDraw.Draw(picture)
-    pen.polygon(at([*corners[:3], (LENGTH / 2, RIDGE), corners[3]]), fill=(178, 160, 140))
-    left, low, right, upper = WINDOW
-    pen.polygon(at([(left, low), (right, low), (right, upper), (left, upper)]), fill=(30, 30, 40))
-    for points in CRACKS.values():
-        pen.line(at(points), fill=(250, 0, 0), width=5)
-    file = io.BytesIO()
-    picture.save(file, "JPEG", quality=95)
-    return file.getvalue(), at
-
-
-def red_ends(path):
-    """Both ends [m] of each red line in a straightened picture, from left to right."""
-    pixels = np.asarray(Image.open(path).convert("RGB")).astype(int)
-    z, x = np.nonzero((pixels[..., 0] > 150) & (pixels[..., 1:].max(axis=2) < 90))
-    places = np.column_stack([x, len(pixels) - z]) * (LENGTH + 2 * MARGIN_M) / pixels.shape[1]
-    places -= MARGIN_M
-    lines = [places[places[:, 0] < 1.1], places[places[:, 0] >= 1.1]]
-    return [[line[line[:, 0].argmin()], line[line[:, 0].argmax()]] for line in lines]
+    messages, requested = logged(driver)
+    assert messages == []
+    assert {url for url in requested if not url.startswith(("http://127.0.0.1:", "blob:"))} == set()
 
 
 def fill_in(driver, name, text):
@@ -185,8 +141,7 @@ def straighten(driver, path):
     photo, at = photographed()
     by(driver, "photo-file").send_keys(str(written(path, photo)))
     WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
-    corners = [(0, 0), (LENGTH, 0), (LENGTH, EAVES), (0, EAVES)]
-    for x, y in at([*corners, WINDOW[:2], WINDOW[2:]]):
+    for x, y in at([*CORNERS, WINDOW[:2], WINDOW[2:]]):
         click_at(driver, "photo", x / 1200, 1 - y / 900)
     assert press(driver, "straighten", "said-photo") == WORDS["straightened"]["nl"]
 
@@ -291,43 +246,3 @@ def drag(driver, name, start, end):
     ]
     chain.move_to_element_with_offset(canvas, *places[0]).click_and_hold()
     chain.move_to_element_with_offset(canvas, *places[1]).release().perform()
-
-
-def test_a_page_of_another_site_gets_nothing(page):
-    """What a stranger's page in the same browser asks for is refused by its Origin, whatever it
-    knows."""
-    driver, app = page
-    from http.server import BaseHTTPRequestHandler, HTTPServer
-
-    class Stranger(BaseHTTPRequestHandler):
-        def do_GET(self):
-            self.send_response(200)
-            self.send_header("Content-Type", "text/html")
-            self.end_headers()
-            self.wfile.write(b"<title>stranger</title>")
-
-        def log_message(self, *_):
-            pass
-
-    server = HTTPServer(("127.0.0.1", 0), Stranger)
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    driver.get(f"http://127.0.0.1:{server.server_port}/")
-    root = app.address.partition("?")[0]
-    for options in (
-        "{mode: 'no-cors', credentials: 'include'}",
-        "{method: 'POST', mode: 'no-cors', credentials: 'include', body: '{}'}",
-    ):
-        driver.execute_async_script(
-            f"const done = arguments[0]; fetch('{root}api/stop', {options}).then(() => done(), ()"
-            " => done())"
-        )
-    seen = driver.execute_async_script(
-        f"const done = arguments[0]; fetch('{root}api/state', {{credentials: 'include'}})"
-        ".then((answer) => done(answer.status), () => done('refused'))"
-    )
-    assert seen == "refused" and {
-        status for path, status in app.answers if path == f"{ROOT}/api/stop"
-    } == {"403"}
-    assert (f"{ROOT}/api/state", "403") in app.answers
-    driver.get_log("browser")
-    server.shutdown()

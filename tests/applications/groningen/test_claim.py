@@ -79,24 +79,7 @@ CRACKS = (
     "crack,point,x_m,z_m,width_mm,offset,detection_limit_mm,width_error_mm\n"
     "A,1,0,0.075,0.15,no,0.1,0.05\nA,2,0.16,0.075,,,,\nB,1,0.78,0.075,0.15,no,0.1,0.05\nB,2,0.9,0.075,,,,\n"
 )
-WORDS = (
-    "--at",
-    "53.36786",
-    "6.71359",
-    "--from",
-    "2012",
-    "--to",
-    "2014",
-    "--above",
-    "12",
-    "--strong",
-    "0.2",
-    "0.3",
-    "--rest",
-    "0.1",
-    "-j",
-    "1",
-)
+WORDS = "--at 53.36786 6.71359 --from 2012 --to 2014 --above 12 --strong 0.2 0.3 --rest 0.1 -j 1"
 """Short motions of the narrow wall."""
 
 
@@ -114,7 +97,7 @@ def words(folder, *more, draws=3):
     return [
         "claim",
         str(folder / "narrow.py"),
-        *WORDS,
+        *WORDS.split(),
         "--cracks",
         str(folder / "survey.csv"),
         "--draws",
@@ -123,6 +106,12 @@ def words(folder, *more, draws=3):
         str(folder / "out"),
         *more,
     ]
+
+
+def read(claimed):
+    """(Layout, Twins, Survey) of that claim."""
+    layout = layout_of(claimed.parent / "narrow.py")
+    return layout, read_twins(claimed, layout), read_survey(claimed.parent / "survey.csv", layout)
 
 
 def equal(one, other):
@@ -215,7 +204,7 @@ class TestTwins:
         before = one.read_bytes()
         one.write_bytes(other.read_bytes())
         try:
-            said = one_line_error(read_twins, claimed, layout_of(claimed.parent / "narrow.py"))
+            said = one_line_error(read, claimed)
         finally:
             one.write_bytes(before)
         assert (
@@ -431,11 +420,7 @@ class TestAnswer:
 
 class TestLikeness:
     def test_distances_are_those_of_the_survey(self, claimed):
-        layout = layout_of(claimed.parent / "narrow.py")
-        twins, survey = (
-            read_twins(claimed, layout),
-            read_survey(claimed.parent / "survey.csv", layout),
-        )
+        layout, twins, survey = read(claimed)
         mine, known = surveyed(survey, layout)
         seen = seen_of(survey, twins.opening_m["both"], twins.offset_m["both"], layout)
         found = distances(mine, seen, survey.width_error_m, known)
@@ -507,7 +492,7 @@ class TestSheet:
         assert like != "0" and f"only {like} of the computed walls" in describe(numbers)
 
     def test_evidence_is_that_of_all_runs(self, claimed):
-        twins = read_twins(claimed, layout_of(claimed.parent / "narrow.py"))
+        _, twins, _ = read(claimed)
         history = read_history(next((claimed / "runs").glob("both*.h5")))
         found = make._evidence(history, ["", "drift 0.4 % (up to 0.3 %); slip of a joint 11 mm"])
         assert len(twins.outside) == 2 * len(twins)
@@ -516,11 +501,7 @@ class TestSheet:
 
     def test_an_answer_says_what_the_earthquakes_added(self, claimed):
         """Cracks of other causes may have become wider."""
-        layout = layout_of(claimed.parent / "narrow.py")
-        twins, survey = (
-            read_twins(claimed, layout),
-            read_survey(claimed.parent / "survey.csv", layout),
-        )
+        layout, twins, survey = read(claimed)
         numbers = json.loads((claimed / "claim.json").read_text()) | {"no_answer": []}
         numbers["survey"]["share_looked_at"] = 0.404
         for k, one in enumerate(numbers["crack_width_mm"].values()):
@@ -533,8 +514,8 @@ class TestSheet:
         assert "by -0.1 to 0.22 mm" in page
 
     def test_both_languages_are_whole(self):
-        for key, texts in all_words().items():
-            assert texts.keys() == set(LANGUAGES), key
+        for key, texts in [*all_words().items(), *all_words("app").items()]:
+            assert texts.keys() == set(LANGUAGES) and all(texts.values()), key
             fields = [
                 {name for _, name, *_ in string.Formatter().parse(text) if name}
                 for text in texts.values()
@@ -598,7 +579,7 @@ class TestOneFolder:
             make, "sheet", lambda numbers, *_: written_numbers.append(dict(numbers)) or "a sheet"
         )
         out = shutil.copytree(claimed, tmp_path / "out")
-        assert main([*words(claimed.parent, draws=4)[:-1], str(out)]) == 0
+        assert main(words(claimed.parent, "--out", str(out), draws=4)) == 0
         of_sheets = [(one["draws"], one["draws_to_come"]) for one in written_numbers]
         assert of_sheets == [(2, 4), (4, None)]
         assert "2 draws, not yet the answer" in capsys.readouterr().out
@@ -620,10 +601,10 @@ class TestOneFolder:
         """The survey was put on the joints of another one than those of the runs."""
         out = shutil.copytree(claimed, tmp_path / "out")
         (out / "claim.html").unlink()
-        wall = wall_file(tmp_path / "narrow.py", "Wall('narrow', 0.9, 1.35)")
+        wall_file(tmp_path / "narrow.py", "Wall('narrow', 0.9, 1.35)")
+        shutil.copy(claimed.parent / "survey.csv", tmp_path)
         monkeypatch.setattr(make, "_draw", lambda *_: 0)
-        line = words(claimed.parent)
-        assert main([line[0], str(wall), *line[2:-1], str(out)]) == 2
+        assert main(words(tmp_path)) == 2
         assert "narrow.py changed since this claim began" in capsys.readouterr().err
         assert not (out / "claim.html").exists()
 
@@ -638,7 +619,7 @@ class TestOneFolder:
         assert "draws of 2 versions, model_digest" in one_line_error(
             read_twins, out, layout_of(claimed.parent / "narrow.py")
         )
-        line, before = [*words(claimed.parent)[:-1], str(out)], (out / "claim.html").read_bytes()
+        line, before = words(claimed.parent, "--out", str(out)), (out / "claim.html").read_bytes()
         assert main(line) == 2 and (out / "former-claim.html").read_bytes() == before
         assert not (out / "claim.html").exists()
         said = capsys.readouterr().err

@@ -109,9 +109,6 @@ class TestModel:
             (total[:, 0, 0], total[:, 1, 0], phi_s2s**2),
             (total[:, 0, 0], total[:, 0, 1], tau**2),
             (total[:, 0, 0], total[:, 1, 1], 0.0),
-            (event[:, 0, 0], site[:, 0, 0], 0.0),
-            (event[:, 0, 0], within[:, 0, 0], 0.0),
-            (site[:, 0, 0], within[:, 0, 0], 0.0),
         ):
             expected = shared / variance
             assert np.corrcoef(one, other)[0, 1] == pytest.approx(

@@ -241,34 +241,6 @@ class TestRuns:
         assert third.keys() == alone.keys() and differing(third, alone) == []
         assert differing(third, fourth) != []
 
-    def test_a_life_of_equal_events_equals_the_list_of_factors_bit_for_bit(
-        self, tmp_path, monkeypatch
-    ):
-        """A life whose three events are one record: --sequence 2,2,2 of it."""
-        wall_file(tmp_path / "narrow.py", WALL)
-        (tmp_path / "a.toml").write_text(ADDRESS)
-        rows = pd.DataFrame(
-            {"record": ["BGAR_HGE"] * 3, "scale": 2.0, "start_s": 18.7, "end_s": 19.1}
-        )
-        monkeypatch.setattr(Draws, "life", lambda self, number: rows)
-        damage.run(
-            tmp_path / "narrow.py",
-            address=tmp_path / "a.toml",
-            life=1,
-            rest=0.1,
-            out=tmp_path / "life.h5",
-        )
-        damage.run(
-            tmp_path / "narrow.py",
-            "BGAR_HGE",
-            window=(18.7, 19.1),
-            sequence=(2, 2, 2),
-            rest=0.1,
-            out=tmp_path / "list.h5",
-        )
-        life, listed = contents(tmp_path / "life.h5"), contents(tmp_path / "list.h5")
-        assert len(life) > 20 and life.keys() == listed.keys() and differing(life, listed) == []
-
     def test_the_tables_of_the_study_are_those_of_the_histories(self, lived):
         (one,) = lives_of(lived)
         assert one.point == "n" and list(one.table["life"].unique()) == list(range(1, 7))

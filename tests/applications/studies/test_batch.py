@@ -24,7 +24,6 @@ from conftest import (
     wall_file,
     written,
 )
-from numpy.testing import assert_allclose
 from small_history import make_history
 
 from benchmarks.resume import kill_tree
@@ -133,21 +132,13 @@ class TestBatch:
         assert [history.parameters["seed"] for history in histories] == [1, 1, 2, 3, 1, 2, 3]
         assert {history.parameters["scatter"] for history in histories} == {0.001}
 
-    def test_tables_have_a_row_a_run_and_a_row_a_point(self, whole):
+    def test_tables_have_a_row_a_run(self, whole):
         tables = whole.out / "tables"
         summary = pd.read_csv(tables / "summary.csv")
         assert list(summary["members"]) == [3] * 6 + [1] and list(summary["pga_g"]) == [0.5] * 3 + [
             0.4
         ] * 3 + [0.01]
-        points = pd.read_csv(tables / "points.csv").set_index("amplitude_g")
-        cracked = summary[summary["amplitude_g"] == 0.5]["max_DI"]
-        assert_allclose(
-            points.loc[0.5, ["max_DI", "max_DI_min", "max_DI_max"]].astype(float),
-            [cracked.median(), cracked.min(), cracked.max()],
-        )
-        assert (
-            len(list(tables.glob("*_s1_index.csv"))) == len(list(tables.glob("*_index.csv"))) == 3
-        )
+        assert len(list(tables.glob("*_index.csv"))) == 3
         cycles = pd.read_csv(tables / "cycles.csv")  # the verdict takes medians of them
         assert list(cycles["run"].unique()) == list(summary["run"])
         alone = pd.read_csv(tables / f"{summary['run'][0]}_cycles.csv")

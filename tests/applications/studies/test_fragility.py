@@ -190,89 +190,60 @@ class TestUndetermined:
     """Runs, and bootstrap samples, that determine no curve: "-" with the reason, and nothing
     exported."""
 
-    @pytest.fixture(params=[(8, 6, 4, 2), (5, 5, 5, 5), (0, 0, 0, 1)])
-    def runs(self, request):
-        x, k = (
-            grid.ravel()
-            for grid in np.meshgrid([0.05, 0.1, 0.2, 0.4], np.arange(10), indexing="ij")
-        )
-        exceeds = k < np.repeat(request.param, 10)
-        return pd.DataFrame(
+    @pytest.mark.parametrize(
+        ("intensities", "exceed", "why"),
+        [
+            ((0.05, 0.1, 0.2, 0.4), (8, 6, 4, 2), "no rising curve"),
+            ((0.05, 0.1, 0.2, 0.4), (5, 5, 5, 5), "no rising curve"),
+            ((0.05, 0.1, 0.2, 0.4), (0, 0, 0, 1), "runs of both kinds"),
+            ((0.2, 0.3), (4, 8), "2 intensities only, a curve needs 3 that differ by 1 %"),
+            ((0.2, 0.3, 0.301), (4, 8, 8), "a curve needs 3 that differ by 1 %"),
+        ],
+    )
+    def test_it_is_said_everywhere_and_no_curve_exported(
+        self, intensities, exceed, why, tmp_path, output_of
+    ):
+        """Of ten draws at each intensity.  Any two shares lie on a lognormal curve, which was drawn
+        and exported with a median of 0.207 g."""
+        pga_g, draw = (grid.ravel() for grid in np.meshgrid(intensities, range(10), indexing="ij"))
+        runs = pd.DataFrame(
             {
                 "wall": "w",
                 "status": "complete",
                 "record": "r",
-                "pga_g": x,
-                "strength_seed": k,
+                "pga_g": pga_g,
+                "strength_seed": draw,
                 "strength_cov": 0.3,
                 "collapsed_at_s": np.nan,
                 "eigen_period_s": 0.2,
                 "max_DI": 0.0,
                 "max_crack_width_mm": 0.0,
-                "max_psi": np.where(exceeds, 1.5, 0.5),
+                "max_psi": np.where(draw < np.repeat(exceed, 10), 1.5, 0.5),
             }
         )
-
-    def test_tables_have_a_reason_and_exports_no_curve(self, runs, tmp_path, output_of):
         write_table(runs, tmp_path / "tables" / "summary.csv")
+        words = ["--state", "max_psi > 1", "--replicates", 20, "--at", 0.1]
         printed = output_of(
-            "fragility",
-            tmp_path,
-            "--out",
-            tmp_path / "f",
-            "--state",
-            "max_psi > 1",
-            "--at",
-            "0.1",
-            "--replicates",
-            "20",
-            "--export",
-            tmp_path / "e",
+            "fragility", tmp_path, "--out", tmp_path / "f", "--export", tmp_path / "e", *words
         )
-        assert "max_psi > 1: no curve, " in printed and "of 40 runs exceed it, " in printed
+        assert f"w, max_psi > 1: no curve: {sum(exceed)} of {len(runs)} runs exceed it" in printed
         assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
-        for table in (
-            "f/fragility_pga_g.csv",
-            "f/fragility_pga_g_at.csv",
-            "e/fragility_coefficients.csv",
-        ):
-            row = pd.read_csv(tmp_path / table).iloc[0]
-            assert row["undetermined"], table
-            assert (
-                row.filter(regex="^(median|dispersion|mean|new_record|probability)").isna().all()
-            ), table
-        assert row["distribution"] == "none"
+        for table in ("f/fragility_pga_g", "f/fragility_pga_g_at", "e/fragility_coefficients"):
+            row = pd.read_csv(tmp_path / f"{table}.csv").iloc[0]
+            assert why in row["undetermined"], table
+            unknown = row.filter(regex="^(median|dispersion|mean|new_record|probability)")
+            assert unknown.isna().all(), table
+        assert row["distribution"] == "none" and f"no curve, {row['undetermined']}" in printed
+        fits = {"w": [fragility(runs, "max_psi", 1, replicates=20)]}
+        ((_, figure),) = fragility_pictures(runs, fits)
+        words = figure.axes[0].get_legend().get_texts()[0].get_text()
+        assert (
+            words.endswith(row["undetermined"]) and len(figure.axes[0].lines) == 1
+        )  # the shares alone
 
     def test_runs_that_differ_by_more_than_motions_are_named(self):
         runs = pd.DataFrame({"wall": ["a", "a", "b"], "top": ["piers", "uniform", "piers"]})
         assert list(mixed(runs)) == ["wall a: one curve through runs that differ in top"]
-
-    @pytest.mark.parametrize("intensities", [(0.2, 0.3), (0.2, 0.3, 0.301)])
-    def test_two_intensities_give_no_curve_anywhere(self, intensities, tmp_path, output_of):
-        """Any two shares lie on a lognormal curve; it was drawn and exported, here
-        with a median of 0.207 g and a dispersion of 0.20."""
-        runs = walls(30, seed=1).query("pga_g in (0.2, 0.3)").assign(eigen_period_s=0.2)
-        third = runs[runs["pga_g"] == 0.3].assign(pga_g=0.301)
-        runs = pd.concat([runs, third]).query("pga_g in @intensities")
-        write_table(runs, tmp_path / "tables" / "summary.csv")
-        words = ["--state", "max_DI > 0.05", "--replicates", 20, "--at", 0.2]
-        printed = output_of(
-            "fragility", tmp_path, "--out", tmp_path / "f", "--export", tmp_path / "e", *words
-        )
-        why = "2 intensities only, a curve needs 3 that differ by 1 %"
-        assert f"max_DI > 0.05: no curve, {why}" in printed
-        assert f"w, max_DI > 0.05: no curve: {fragility(runs, 'max_DI', 0.05).n_exceeding} of" in (
-            printed
-        )
-        for table in ("fragility_pga_g.csv", "fragility_pga_g_at.csv"):
-            row = pd.read_csv(tmp_path / "f" / table).iloc[0]
-            assert row["undetermined"] == why
-            assert row.filter(regex="^(median|dispersion|new_record|prob)").isna().all()
-        assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
-        fits = {"w": [fragility(runs, "max_DI", 0.05, replicates=20)]}
-        ((_, figure),) = fragility_pictures(runs, fits)
-        words = figure.axes[0].get_legend().get_texts()[0].get_text()
-        assert words.endswith(why) and len(figure.axes[0].lines) == 1  # the shares alone
 
     def test_draws_of_one_wall_are_not_called_walls(self):
         printed = in_words({"w": [fragility(walls(12, seed=1), "max_DI", 0.05, replicates=0)]})

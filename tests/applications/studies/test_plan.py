@@ -3,12 +3,10 @@ made."""
 
 import pytest
 from conftest import REPOSITORY, wall_file, written
-from small_history import make_history
+from test_outdated import Folder
 
 from damage.applications.studies.definition import load_study
-from damage.applications.studies.outdated import Results
 from damage.applications.studies.plan import print_plan
-from damage.applications.studies.records import NAME, line_of, record_of
 
 STUDY = """
 name = "s"
@@ -38,19 +36,12 @@ def test_the_dry_run_lists_all_runs_and_makes_nothing(study, tmp_path, output_of
     assert sorted(path.name for path in tmp_path.iterdir()) == before
 
 
-def test_what_is_there_is_not_to_be_made(study, tmp_path, capsys):
-    run, folder = study.runs[0], tmp_path / "out"
-    (folder / "runs").mkdir(parents=True)
-    history = make_history(folder / "runs" / f"{run.first}.h5")
-    record = record_of(history, run.first, run.point) | {"intact": True}
-    results = Results(folder)
-    results.records.runs[run.first], results.records.orderly = record, False
-    results.write(Results(tmp_path / "none").judge([run]))
-    (key,) = Results(folder).records.inputs
-    with open(folder / NAME, "a", encoding="utf-8") as file:
-        file.write(line_of(record | {"inputs": key}))
-    print_plan(study, folder)
+def test_what_is_there_is_not_to_be_made(tmp_path, capsys):
+    """But with --remake what another version of the model made."""
+    there = Folder(tmp_path, ensemble="members = 5")
+    there.make(broken=(), model_digest="of before")
+    print_plan(there.load(), there.out)
     printed = capsys.readouterr().out
-    assert "there, 1 runs" in printed and "points: 2, 1 there; runs to make: up to 10" in printed
-    print_plan(study, folder, remake=True)  # the record was made by no version of the model
-    assert "points: 2, 0 there; runs to make: up to 20" in capsys.readouterr().out
+    assert "there, 1 runs" in printed and "points: 1, 1 there; runs to make: 0" in printed
+    print_plan(there.load(), there.out, remake=True)
+    assert "points: 1, 0 there; runs to make: up to 10" in capsys.readouterr().out

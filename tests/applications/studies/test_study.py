@@ -41,7 +41,7 @@ from damage.run.options import words_of
 HARMONIC = "options = { harmonic = [0.2, 0.05] }\n"
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
 WALL = 'wall = "walls/symmetric.py"\n'
-RUN = f'name = "s"\n[[runs]]\n{WALL}'
+RUN, GRID = f'name = "s"\n[[runs]]\n{WALL}', 'name = "s"\n[[grid]]\n'
 
 
 def write_study(folder, text, name="study.toml"):
@@ -80,12 +80,18 @@ class TestLoading:
             (f'{RUN}options = {{ record = "no.csv" }}', "run 1: no file no.csv"),
             (f"{RUN}options = {{ scale = 2 }}", "--scale belongs to --record"),
             (f"{RUN}{HARMONIC}[[runs]]\n{WALL}{HARMONIC}", "runs 1 and 2 are both"),
+            (f"{GRID}{WALL}{HARMONIC}vary = {{ a = [1] }}", "vary names 'a', which nothing uses"),
+            (f'{GRID}wall = "{{b}}"\noptions = {{ rest = "{{a}}" }}\nvary = {{ a = [1] }}', "'b'"),
+            (f"{RUN}{HARMONIC}samples = 2", "walls that do not differ"),
+            (f"{RUN}options = {{ seed = 3 }}\nmembers = 2", "--seed is set by members"),
+            (f'{RUN}{HARMONIC}solvers = ["yade"]', "expected --solver yade"),
+            (f'{RUN}options = {{ record = ["no.csv", "nor.csv"] }}', "no file no.csv or nor.csv"),
         ],
         ids=str,
     )
     def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
         """Of wrong forms: `test_study_schema`."""
-        assert message in refused_with("", load_study, write_study(tmp_path, text))
+        assert message in refused_with("", load_study, write_study(tmp_path, text), "reference")
 
 
 class TestTables:
