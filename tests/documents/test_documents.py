@@ -120,11 +120,6 @@ def test_programs_of_documents_are_there():
         for path in DOCUMENTS
         for name in re.findall(r"python3\s+-m\s+paper\s+(\w+)", path.read_text())
     }
-    assert not [
-        path
-        for path in DOCUMENTS
-        if path.name != "CHANGELOG.md" and re.search(r"python3\s+paper/\w+\.py", path.read_text())
-    ]
     assert named <= {*PROGRAMS, *COMMANDS, "studies", "NAME", "COMMAND"}
 
 

@@ -225,12 +225,12 @@ def test_metadata_are_removed_and_the_picture_is_turned(client, tmp_path):
     assert picture.getpixel((250, 50))[0] > 200 > 60 > picture.getpixel((50, 50))[0]
 
 
-def png_that_claims(width, height):
-    """A PNG of a few bytes whose header says that it is so large."""
+def png_that_claims(side):
+    """A PNG of a few bytes whose header says that it has so many pixels a side."""
     import struct
     import zlib
 
-    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
     parts = [(b"IHDR", head), (b"IDAT", zlib.compress(b"\0" * 100)), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
@@ -244,11 +244,10 @@ def png_that_claims(width, height):
         (b"", "cannot be read; expected JPEG or PNG"),
         (b"<svg onload='x()'/>", "cannot be read"),
         (exif_photo()[:900], "cannot be read"),
-        (png_that_claims(10_000, 10_000), "cannot be read; expected .* 50 million pixels"),
-        (png_that_claims(2**31 - 1, 2**31 - 1), "cannot be read"),
+        (png_that_claims(10_000), "cannot be read; expected .* 50 million pixels"),
         (b"\xff" * 20_000_001, "cannot be read; expected .* 20 MB"),
     ],
-    ids=["empty", "svg", "cut", "bomb", "huge", "bytes"],
+    ids=["empty", "svg", "cut", "bomb", "bytes"],
 )
 def test_what_is_no_photograph_is_one_line(data, said):
     refused_with(said, cleaned, data)
@@ -326,11 +325,8 @@ def photographed():
         u, v, w = to_pixels @ np.column_stack([places, np.ones(len(places))]).T
         return [tuple(map(float, point)) for point in zip(u / w, v / w)]
 
-    picture = Image.new("RGB", (1200, 900), (120, 150, 190))
+    picture = Image.new("RGB", (1200, 900), (178, 160, 140))
     pen = ImageDraw.Draw(picture)
-    pen.polygon(at([*CORNERS[:3], (LENGTH / 2, RIDGE), CORNERS[3]]), fill=(178, 160, 140))
-    left, low, right, upper = WINDOW
-    pen.polygon(at([(left, low), (right, low), (right, upper), (left, upper)]), fill=(30, 30, 40))
     for points in CRACKS.values():
         pen.line(at(points), fill=(250, 0, 0), width=5)
     file = io.BytesIO()

@@ -240,18 +240,22 @@ class TestGround:
 
 
 def made(**width_mm):
-    """Twins of draws whose only contact point has these widths [mm] by what acted."""
+    """Twins whose contact points have these widths [mm] by what acted: a number, or a number a
+    contact point, of each draw."""
     n = len(width_mm["both"])
-    opening = {name: np.reshape(width_mm.get(name, [0.0] * n), (n, 1)) * 1e-3 for name in STATES}
+    opening = {name: np.reshape(mm, (n, -1)) * 1e-3 for name, mm in width_mm.items()}
+    at_rest = np.zeros_like(opening["both"])
+    opening = dict.fromkeys(STATES, at_rest) | opening
+    n_joints = at_rest.shape[1]
     return Twins(
         np.arange(1, n + 1),
         opening,
-        {name: np.zeros((n, 1)) for name in opening},
-        {name: np.isinf(values[:, 0]) for name, values in opening.items()},
-        np.zeros((1, 2, 2)),
-        np.ones(1),
+        dict.fromkeys(STATES, at_rest),
+        {name: np.isinf(values).any(axis=1) for name, values in opening.items()},
+        np.zeros((n_joints, 2, 2)),
+        np.ones(n_joints),
         {},
-        pd.DataFrame(),
+        pd.DataFrame({"profile": ["knick"] * n, "distortion": 0.001}),
     )
 
 
@@ -329,20 +333,10 @@ def crack_survey(stretches, joints, looked_at=(True, True)):
 class TestCracks:
     """Each of two joints has a crack of the survey; a third crack lies on no joint."""
 
-    TWO = Twins(
-        np.arange(1, 5),
-        {
-            "both": np.array([[0.5, 0.4]] * 4) * 1e-3,
-            "earthquakes": np.array([[0.0, 0.4]] * 4) * 1e-3,
-            "settlement": np.array([[0.3, 0.05]] * 3 + [[0.3, 0.2]]) * 1e-3,
-            "none": np.zeros((4, 2)),
-        },
-        {name: np.zeros((4, 2)) for name in STATES},
-        {name: np.zeros(4, bool) for name in STATES},
-        np.zeros((2, 2, 2)),
-        np.ones(2),
-        {},
-        pd.DataFrame({"profile": ["knick"] * 4, "distortion": 0.001}),
+    TWO = made(
+        both=[[0.5, 0.4]] * 4,
+        earthquakes=[[0.0, 0.4]] * 4,
+        settlement=[[0.3, 0.05]] * 3 + [[0.3, 0.2]],
     )
 
     def found(self, like, twins=TWO):
@@ -434,19 +428,8 @@ class TestLikeness:
     def test_cracks_where_nobody_looked_do_not_count(self):
         """60 draws resemble the survey of one joint; by settlement all have a wide crack at
         another."""
-        opening = {
-            "both": [[0.4, 5.0]],
-            "earthquakes": [[0.4, 0.0]],
-            "settlement": [[0.0, 5.0]],
-            "none": [[0.0, 0.0]],
-        }
-        twins = replace(
-            TestCracks.TWO,
-            numbers=np.arange(60),
-            opening_m={name: np.repeat(mm, 60, axis=0) * 1e-3 for name, mm in opening.items()},
-            offset_m={name: np.zeros((60, 2)) for name in STATES},
-            fell={name: np.zeros(60, bool) for name in STATES},
-            settlement=pd.DataFrame({"profile": ["knick"] * 60, "distortion": 0.001}),
+        twins = made(
+            both=[[0.4, 5.0]] * 60, earthquakes=[[0.4, 0.0]] * 60, settlement=[[0.0, 5.0]] * 60
         )
         like = Likeness(np.zeros((2, 60)), np.ones((2, 60)), 0.0)
         one = crack_survey([["a", 0, 0, 1, 0, 4e-4]], [["a", 0]], looked_at=[True, False])

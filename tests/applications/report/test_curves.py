@@ -9,7 +9,7 @@ import pytest
 from environments import environment, run_in
 from numpy.testing import assert_allclose
 from scipy.stats import lognorm
-from test_fragility import walls
+from test_fragility import made, walls
 
 from damage.applications.report.curves import (
     NAMESPACE,
@@ -18,7 +18,7 @@ from damage.applications.report.curves import (
     limit_state,
     write_nrml,
 )
-from damage.applications.studies.fragility import Fragility, fit_all
+from damage.applications.studies.fragility import fit_all
 from damage.measure.tables import write_table
 
 OPENQUAKE = "openquake.engine==3.26.2"
@@ -38,24 +38,6 @@ OPENQUAKE_NEEDS = (
     "pyzmq",
     "fiona",
 )
-
-
-def made(level, median, dispersion, intensity="pga_g", step=None, why=""):
-    return Fragility(
-        "max_DI",
-        level,
-        median,
-        dispersion,
-        n_runs=100,
-        n_exceeding=50,
-        samples=np.zeros((0, 2)),
-        n_replicates=0,
-        n_records=5,
-        n_walls=20,
-        intensity=intensity,
-        step=step,
-        why=why,
-    )
 
 
 MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)

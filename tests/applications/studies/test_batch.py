@@ -170,13 +170,6 @@ class TestBatch:
         assert all(path.stat().st_mtime_ns == time_ns for path, time_ns in times.items())
         assert len(whole.tables()) == 18 and batches.tables() == whole.tables()
 
-        more = batches.study((POINTS % "0.5").replace("members = 3", "members = 4"))
-        assert batches.run(more).returncode == 0
-        assert len(batches.members()) == 8 and after == {
-            name: batches.checksums()[name] for name in after
-        }
-        assert list(pd.read_csv(batches.out / "tables" / "summary.csv")["members"]) == [4] * 4
-
     @pytest.mark.long
     def test_runs_that_step_together_continue_where_they_were_interrupted(self, batches):
         long = (DRAWN % 3).replace("cycles = 1", "cycles = 12")

@@ -62,6 +62,21 @@ def walls(n_walls, seed, level=0.05):
     )
 
 
+def made(level, median, dispersion, intensity="pga_g", **more):
+    """A curve of the maximum DI that is known."""
+    usual = {"samples": np.zeros((0, 2)), "n_replicates": 0, "n_records": 5, "n_walls": 20}
+    return Fragility(
+        "max_DI",
+        level,
+        median,
+        dispersion,
+        n_runs=100,
+        n_exceeding=50,
+        intensity=intensity,
+        **usual | more,
+    )
+
+
 class TestFit:
     def test_exact_shares_give_back_the_curve(self):
         x = np.geomspace(0.05, 0.8, 9)
@@ -169,18 +184,14 @@ def test_bounds_of_a_mean_of_five_are_students(n_records, n_walls):
     shares = (np.arange(2000) + 0.5) / 2000
     medians = MEDIAN_G * np.exp(0.1 * np.sqrt(4 / 5) * ndtri(shares))
     samples = np.column_stack([medians, np.full(2000, DISPERSION)])
-    one = Fragility(
-        "max_DI",
+    one = made(
         0.1,
         MEDIAN_G,
         DISPERSION,
-        n_runs=100,
-        n_exceeding=50,
         samples=samples,
         n_replicates=2000,
         n_records=n_records,
         n_walls=n_walls,
-        intensity="pga_g",
     )
     half = 0.1 * student.ppf(0.95, 4)
     assert_allclose(np.log(one.median_bounds()[:, 0] / MEDIAN_G), (-half, half), rtol=0.01)
@@ -205,21 +216,10 @@ class TestUndetermined:
     ):
         """Of ten draws at each intensity.  Any two shares lie on a lognormal curve, which was drawn
         and exported with a median of 0.207 g."""
-        pga_g, draw = (grid.ravel() for grid in np.meshgrid(intensities, range(10), indexing="ij"))
-        runs = pd.DataFrame(
-            {
-                "wall": "w",
-                "status": "complete",
-                "record": "r",
-                "pga_g": pga_g,
-                "strength_seed": draw,
-                "strength_cov": 0.3,
-                "collapsed_at_s": np.nan,
-                "eigen_period_s": 0.2,
-                "max_DI": 0.0,
-                "max_crack_width_mm": 0.0,
-                "max_psi": np.where(draw < np.repeat(exceed, 10), 1.5, 0.5),
-            }
+        of_one = walls(10, seed=1).query("pga_g == 0.05").assign(eigen_period_s=0.2)
+        runs = pd.concat(
+            of_one.assign(pga_g=pga_g, max_psi=np.where(of_one["strength_seed"] < n, 1.5, 0.5))
+            for pga_g, n in zip(intensities, exceed)
         )
         write_table(runs, tmp_path / "tables" / "summary.csv")
         words = ["--state", "max_psi > 1", "--replicates", 20, "--at", 0.1]

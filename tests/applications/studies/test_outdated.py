@@ -14,6 +14,7 @@ from damage.applications.groningen.exposure import lives
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.inputs import as_json, differences, inputs_of
 from damage.applications.studies.outdated import CODE, Results
+from damage.applications.studies.plan import print_plan
 from damage.applications.studies.records import NAME, line_of, read_records, record_of
 from damage.applications.studies.tables import summary_of
 from damage.applications.studies.tasks import Task
@@ -274,6 +275,34 @@ class TestRecords:
         assert Results(there.out).names_of(run) == [run.name(1), run.name(2)]
         assert there.settle() == [] and not part.exists()
         assert list(read_records(there.out).runs) == [run.name(1), run.name(2)]
+
+
+class TestPlan:
+    """What a study with --dry-run tells; nothing is made."""
+
+    def test_the_dry_run_lists_all_runs_and_makes_nothing(self, tmp_path, output_of):
+        options = 'harmonic = [0.1, "{amplitude}"], cycles = 2, rest = 0.3'
+        Folder(tmp_path, options, "members = 5\nvary = { amplitude = [0.01, 0.02] }")
+        text = (study := tmp_path / "study.toml").read_text()
+        written(study, text.replace('[[runs]]\nid = "p"', "[[grid]]"))
+        before = sorted(path.name for path in tmp_path.iterdir())
+        words = "--dry-run", "--solver", "reference", "--out", tmp_path / "out"
+        said = output_of("study", study, *words)
+        assert "points: 2, 0 there; runs to make: up to 20" in said
+        for amplitude in (0.01, 0.02):
+            (line,) = (line for line in said.splitlines() if f"harmonic-0.1-{amplitude}" in line)
+            assert "5 to 10 runs to make" in line
+        assert sorted(path.name for path in tmp_path.iterdir()) == before
+
+    def test_what_is_there_is_not_to_be_made(self, tmp_path, capsys):
+        """But with --remake what another version of the model made."""
+        there = Folder(tmp_path, ensemble="members = 5")
+        there.make(broken=(), model_digest="of before")
+        print_plan(there.load(), there.out)
+        printed = capsys.readouterr().out
+        assert "there, 1 runs" in printed and "points: 1, 1 there; runs to make: 0" in printed
+        print_plan(there.load(), there.out, remake=True)
+        assert "points: 1, 0 there; runs to make: up to 10" in capsys.readouterr().out
 
 
 class TestVersions:

@@ -1,11 +1,13 @@
 """Study files, tables, and whole batches with a YADE made up of a script (one with YADE itself)."""
 
+import json
 import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +31,8 @@ from test_batch import study_here
 
 from damage.applications.studies.definition import load_study, option_table, run_name
 from damage.applications.studies.read import describe_table
-from damage.applications.studies.records import NAME
+from damage.applications.studies.records import NAME as RECORDS
+from damage.applications.studies.schema import study_schema
 from damage.draw import run
 from damage.measure.tables import (
     joints_table,
@@ -41,7 +44,10 @@ from damage.run.options import words_of
 HARMONIC = "options = { harmonic = [0.2, 0.05] }\n"
 SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
 WALL = 'wall = "walls/symmetric.py"\n'
-RUN, GRID = f'name = "s"\n[[runs]]\n{WALL}', 'name = "s"\n[[grid]]\n'
+NAME = 'name = "s"\n'
+BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
+RUN, GRID = f"{NAME}[[runs]]\n{WALL}", f"{NAME}[[grid]]\n"
+GRID_OF_R = f'{GRID}{WALL}options = {{ rest = "{{r}}" }}\n'
 
 
 def write_study(folder, text, name="study.toml"):
@@ -50,10 +56,13 @@ def write_study(folder, text, name="study.toml"):
 
 class TestLoading:
     @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-    def test_shipped_studies_are_named_like_their_files(self, path):
+    def test_shipped_studies_are_named_like_their_files_and_fit_the_schema(self, validator, path):
         study = load_study(path, "both")
         assert study.name == path.stem and study.title
         assert all(not Path(run.wall).is_absolute() for run in study.runs)
+        text = path.read_text()
+        assert text.startswith("#:schema ./study.schema.json\n")
+        validator.validate(tomllib.loads(text))
 
     def test_a_table_and_a_list_of_words_mean_the_same(self):
         table = {"harmonic": [0.2, 0.05], "cycles": 2, "lintel": "none", "free-vibration": False}
@@ -90,8 +99,77 @@ class TestLoading:
         ids=str,
     )
     def test_a_bad_study_is_refused_in_one_line(self, tmp_path, text, message):
-        """Of wrong forms: `test_study_schema`."""
         assert message in refused_with("", load_study, write_study(tmp_path, text), "reference")
+
+
+@pytest.fixture(scope="module")
+def validator():
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.Draft7Validator.check_schema(study_schema())
+    return jsonschema.Draft7Validator(study_schema())
+
+
+class TestSchema:
+    def test_the_shipped_schema_is_the_generated_one(self):
+        """python3 -m damage study-schema > studies/study.schema.json."""
+        shipped = json.loads((REPOSITORY / "studies/study.schema.json").read_text())
+        assert shipped == study_schema()
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            RUN,
+            RUN + 'options = ["--harmonic", 0.2, "0.05"]\n',
+            RUN + 'options = { lintel = 2, harmonic = ["0.2", 0.05] }\n',
+            RUN + "members = 3\nscatter = 0.01\n",
+            RUN + 'id = "a-1"\nsolvers = ["yade"]\n',
+            GRID + WALL + 'members = "{m}"\noptions = { rest = "{r}" }\n'
+            "vary = { m = [2], r = { from = 1, to = 2 } }\n",
+            f'{RUN}options = {{ record = ["a.csv", "{BGAR}"], free-vibration = false }}\n',
+        ],
+    )
+    def test_what_the_software_takes_passes(self, validator, tmp_path, text):
+        validator.validate(tomllib.loads(text))
+        assert load_study(written(tmp_path / "s.toml", text), "both", REPOSITORY).of_both
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("", "name = None"),
+            (NAME, "no runs"),
+            (RUN.replace('"s"', '"a/b"'), "name = 'a/b'"),
+            (
+                NAME + "run = []",
+                "unknown key 'run'; expected conclusion, grid, intensity, name, pictures, runs",
+            ),
+            (NAME + 'states = "max_psi > 2"', "expected a list of texts"),
+            ('pictures = "some"\n' + RUN, "pictures = 'some'"),
+            (NAME + "grid = 3", "grid is no list of tables"),
+            (NAME + "[[runs]]\nmembers = 3", "run 1: wall = None"),
+            (RUN + "option = 1", "run 1: unknown key 'option'"),
+            (RUN + 'id = "a b"', "run 1: run id 'a b_yade'"),
+            (RUN + 'solvers = ["udec"]', "solvers = ['udec']"),
+            (RUN + "options = { harmonics = [0.2, 1] }", "no option harmonics: expected one of"),
+            (RUN + "options = { harmonic = [0.2] }", "expected 2 arguments"),
+            (RUN + 'options = { harmonic = ["a", "b"] }', "invalid float value"),
+            (RUN + 'options = { top = "arch" }', "arch"),
+            (RUN + "options = { cells = 1.5 }", "1.5"),
+            (RUN + 'options = { out = "a.h5" }', "--out is set by the batch"),
+            (RUN + "members = 0", "members = 0"),
+            (RUN + "samples = 2\nmembers = 2", "expected one kind"),
+            (RUN + "scatter = 0.01", "scatter"),
+            (GRID_OF_R, "grid 1: vary = None"),
+            (GRID_OF_R + "vary = { r = [] }", "vary holds r = []"),
+            (GRID_OF_R + "vary = { r = [1] }\nmembres = 3", "grid 1: unknown key 'membres'"),
+        ],
+        ids=str,
+    )
+    def test_a_wrong_form_is_refused_by_the_software_and_by_the_schema(
+        self, validator, tmp_path, text, message
+    ):
+        path = write_study(tmp_path, text)
+        assert message in refused_with("", load_study, path, "reference", REPOSITORY)
+        assert not validator.is_valid(tomllib.loads(text))
 
 
 class TestTables:
@@ -230,7 +308,7 @@ class TestBatch:
 
     def test_an_interrupt_ends_all_and_the_next_call_goes_on(self, batches, error_of):
         process = batches.start(batches.study(a=4, b=1))
-        records = batches.out / NAME
+        records = batches.out / RECORDS
         wait_until(lambda: '"run": "b_yade"' in records.read_text())
         process.send_signal(signal.SIGTERM)
         _, printed = process.communicate(timeout=300)
