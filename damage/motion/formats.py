@@ -112,8 +112,8 @@ def read_record(path, response=None, unit=None, sample_step_s=None):
     return replace(record, sha256=hashlib.sha256(data).hexdigest(), given=given)
 
 
-# both components of a motion, which the members of a study ask for again and again
-@lru_cache(maxsize=2)
+# members and lives of a study ask again and again for the components that ship
+@lru_cache(maxsize=40)
 def _read_text(path, data, unit=None, sample_step_s=None):
     """The record in the text of a CSV or AT2 file."""
     suffix = Path(path).suffix.lower()
