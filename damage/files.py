@@ -62,7 +62,7 @@ def text_lines(path, data, most, errors="strict"):
     Raises InputError for more than `most` lines, or one over LONGEST_LINE: either would take far
     more memory, once it is cut in parts, than the file has bytes.
     """
-    text = io.TextIOWrapper(io.BytesIO(data), _encoding(data), errors)
+    text = io.TextIOWrapper(io.BytesIO(data), encoding_of(data), errors)
     lines = [line.rstrip("\n") for line in itertools.islice(text, most + 1)]
     if len(lines) > most:
         raise InputError(f"{path}: more than {most} lines; expected fewer, take some out")
@@ -75,10 +75,10 @@ def text_lines(path, data, most, errors="strict"):
     return lines
 
 
-def _encoding(data):
+def encoding_of(data):
     """UTF-16 where a byte order mark says so, or zeros between the first letters; UTF-8 otherwise.
 
-    >>> [_encoding("time".encode(name)) for name in ("utf-16", "utf-16-be", "utf-8")]
+    >>> [encoding_of("time".encode(name)) for name in ("utf-16", "utf-16-be", "utf-8")]
     ['utf-16', 'utf-16-be', 'utf-8-sig']
     """
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):

@@ -29,6 +29,7 @@ from damage.house.plausible import RANGES as WALL_RANGES
 from damage.measure.columns import MADE_BY, RUN
 from damage.measure.evidence import QUANTITIES
 from damage.measure.summary import MEASURES
+from damage.motion.formats import FORMATS, READ
 from damage.motion.plausible import RANGES as MOTION_RANGES
 from paper import report
 from paper.verdict import judge
@@ -102,6 +103,12 @@ def tables_of_code():
         "plausible values": ranges_table("field", WALL_RANGES),
         "plausible motions": ranges_table("option", MOTION_RANGES),
         "the range of validity": validity_table(),
+        "record formats that are read": as_markdown(
+            ["read", "how"], ((one.name, one.help) for one in READ)
+        ),
+        "record formats that are not read": as_markdown(
+            ["not read", "convert"], ((one.name, one.help) for one in FORMATS if not one.read)
+        ),
         "studies that ship": table_of_studies(ROOT / "studies"),
         "gallery": gallery.markdown(),
     }

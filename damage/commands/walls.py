@@ -13,6 +13,7 @@ from damage.house.layout import lay_out_house
 from damage.house.plausible import check_plausible
 from damage.linear.modes import natural_modes
 from damage.motion import intensity
+from damage.motion.formats import NAMES
 from damage.motion.loading import PERIODS_S
 from damage.motion.plausible import (
     faint_warnings,
@@ -212,8 +213,8 @@ def _new_wall(asked):
     file_arg(
         "record",
         "FILE|NAME",
-        "CSV or plain text (time_s and acc_m_s2, acc_cm_s2, acc_gal or acc_g; or --unit; semicolons"
-        " and decimal commas are read), PEER AT2, miniSEED, or a record that ships, as BGAR_HGE",
+        f"{NAMES} (docs/guides/own-record.md), or a record that ships, as BGAR_HGE; columns of CSV"
+        " or plain text: time_s and acc_m_s2, acc_cm_s2, acc_gal or acc_g, or --unit",
     ),
     group(
         "preparation of the record",

@@ -3,15 +3,20 @@ with blanks."""
 
 import math
 import re
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
 from damage.csv_table import CsvTable, as_float, is_number, uncommented
-from damage.errors import InputError
+from damage.errors import InputError, warn
 from damage.fields import Column
-from damage.motion.record import MOST_SAMPLES, _shown
+from damage.files import text_lines
+from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 from damage.units import GRAVITY
 
+MOST_LINES = 2 * MOST_SAMPLES
+"""Of a record's file that is text."""
 UNITS_M_S2 = {
     "m_s2": 1.0,
     "cm_s2": 0.01,
@@ -31,12 +36,39 @@ EXPECTED_HEADER = (
 )
 EXPECTED_UNIT = f"a header such as time_s,acc_m_s2, or --unit {'|'.join(UNITS_M_S2)}"
 
+_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
 _TIME = re.compile(r"(?:time|t) *[ _\[(] *(?:s|sec|seconds?) *[\])]?")
 _ACCELERATION = re.compile(r"(?:a|acc|accel|acceleration) *[ _\[(] *(.+?) *[\])]?")
 _DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|\d+,\d+)(?:[eEdD][-+]?\d+)?")
 """A number with a decimal point or a decimal comma."""
 _FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3}(?![\d.]))?")
 """A number in a fixed column, which may touch the one before it by its sign."""
+
+
+@lru_cache(maxsize=40)  # members and lives of a study ask again for components that ship
+def read(path, data, unit=None, sample_step_s=None):
+    """Return the Record of the bytes of a table; the rest as in `read_columns`."""
+    lines = lines_of(path, data)
+    step_s, first_s, acceleration_m_s2, unit = read_columns(path, lines, unit, sample_step_s)
+    if abs(first_s) > step_s / 2:
+        warn(
+            f"{path}: times begin at {first_s:g} s, which is 0 s of the record: windows count from"
+            " there"
+        )
+    found = filter(None, map(_START_UTC.match, lines))
+    start_utc = next((_utc(start.group(1), first_s, path) for start in found), "")
+    return Record(record_name(path), step_s, acceleration_m_s2, start_utc, str(path), unit=unit)
+
+
+def lines_of(path, data):
+    """Lines of a record's text; a comment may be in any encoding, and a binary file fails as a line
+    that is not numeric."""
+    return text_lines(path, data, MOST_LINES, errors="replace")
+
+
+def record_name(path):
+    """Name of a record by its file's: without the quantity and unit at the end."""
+    return re.sub(rf"_acc_({'|'.join(UNITS_M_S2)})$", "", Path(path).stem)
 
 
 def read_columns(path, lines, unit=None, sample_step_s=None):

@@ -14,6 +14,8 @@ TIME_STEPS_S = 1e-5, 1.0
 MOST_SAMPLES, HIGHEST_M_S2, MOST_SCALE = 10**6, 1e5, 1e3
 """Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on
 it."""
+MOST_MB = 50
+"""Size of its file."""
 LOWEST_HZ = 1e-3
 """Lowest corner of a band-pass [Hz]: records last minutes."""
 LEAST_A_PERIOD = 10

@@ -88,8 +88,7 @@ MOTION_GROUPS = {
         file_arg(
             "--record",
             "FILE",
-            "recorded ground motion: CSV, PEER AT2, or miniSEED with StationXML beside it "
-            "(docs/guides/own-record.md)",
+            "recorded ground motion, in a format of docs/guides/own-record.md",
         ),
         *PREPARATION,
         file_arg("--vertical", "FILE", "the record's vertical component"),

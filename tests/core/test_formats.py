@@ -19,8 +19,8 @@ from damage.__main__ import main
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.inputs import as_json, differences
 from damage.files import LONGEST_LINE
-from damage.motion import columns, formats
-from damage.motion.formats import FOREIGN, foreign, read_record, shipped_record_path
+from damage.motion import columns
+from damage.motion.formats import format_of, read_record, shipped_record_path
 from damage.motion.intensity import pga_g, pgv_cm_s
 from damage.motion.loading import Recorded, loading_from_dict
 from damage.motion.plausible import faint_warnings, implausible_velocity
@@ -289,7 +289,11 @@ REFUSED_AS_GIVEN = [
     ("acc_g\n" + ALONE, {"sample_step_s": 0.2}, "time step"),
     (ALONE + "1,2\n", {"unit": "g", "sample_step_s": STEP_S}, "line 401"),
     (HEAD + COUNTS + lines_of_five(), {"unit": "gal"}, "names g, --unit gal"),
-    (HEAD + COUNTS, {"sample_step_s": STEP_S}, "expected the DT of its header"),
+    (
+        HEAD + COUNTS,
+        {"sample_step_s": STEP_S},
+        "--sample-step of a PEER AT2 file: expected what the file says",
+    ),
 ]
 
 
@@ -319,9 +323,9 @@ def test_a_file_that_is_missing_binary_or_too_large_is_refused(tmp_path, monkeyp
     assert "1e+06 MB" in one_line_error(read_record, path)
     for lines in ("\n" * 5 + "0,1\n" * 40, "0,1\n" * 40):  # 28 MB of them took ten seconds
         path = written(tmp_path / "motion.csv", lines)
-        monkeypatch.setattr(formats, "MOST_LINES", 30)
+        monkeypatch.setattr(columns, "MOST_LINES", 30)
         assert "more than 30 lines" in one_line_error(read_record, path)
-        monkeypatch.setattr(formats, "MOST_LINES", 100)
+        monkeypatch.setattr(columns, "MOST_LINES", 100)
         monkeypatch.setattr(columns, "MOST_SAMPLES", 30)
         assert "40 samples; expected up to 30" in one_line_error(read_record, path)
 
@@ -671,9 +675,18 @@ class TestOtherFormats:
         record = read_record("record.csv")
         assert (pga_g(record), pgv_cm_s(record)) == pytest.approx((0.15, PULSE_PGV_CM_S), rel=2e-3)
 
-    def test_what_is_read_is_not_foreign(self):
-        assert not any(map(foreign, (b"# time_s,acc_g\n", b"0.0 0.1\n", b"acc_g\n", b"-0.5 0.2\n")))
-
-    def test_the_guide_has_a_row_for_each(self):
-        guide = (REPOSITORY / "docs/reference/record-formats.md").read_text()
-        assert [name for name, *_ in FOREIGN if f"| {name} |" not in guide] == []
+    @pytest.mark.parametrize(
+        "begins, name",
+        [
+            *(
+                (line, "CSV")
+                for line in (b"# time_s,acc_g\n", b"0.0 0.1\n", b"acc_g\n", b"-0.5 0.2\n")
+            ),
+            (b"# NPTS= 400, DT= .0050 SEC\n0 1\n", "CSV"),
+            (b"\r\n" * 12 + COUNTS.encode(), "CSV"),
+            (b"\r\n" * 11 + COUNTS.encode(), "PEER AT2"),
+            (f"{HEAD}{COUNTS}".encode("utf-16"), "PEER AT2"),
+        ],
+    )
+    def test_a_text_without_a_suffix_has_the_format_of_its_first_lines(self, begins, name):
+        assert format_of("FILE", begins).name == name
