@@ -9,7 +9,7 @@ from dataclasses import fields
 from numbers import Integral, Real
 from pathlib import Path
 
-from damage.errors import InputError, warn
+from damage.errors import InputError, of_locale, warn
 from damage.retired import retired
 
 
@@ -84,8 +84,17 @@ def is_plain_name(word):
 def check_path(path):
     """The Path of a word; InputError where no file can be called so, or its name would garble what
     is printed."""
-    path = Path(path)
-    if any(unicodedata.category(c) in ("Cc", "Cs") for c in str(path)):
+    path, name = Path(path), ""
+    odd = any(unicodedata.category(c) in ("Cc", "Cs") for c in str(path))
+    try:
+        name = os.fsencode(path).decode("utf-8")
+    except UnicodeEncodeError:  # named in a file
+        odd, name = True, str(path)
+    except UnicodeDecodeError:
+        pass
+    if odd and name and name.isprintable():
+        raise InputError(of_locale(name))
+    if odd:
         raise InputError(
             f"path {str(path)!r}: expected a name without control characters and in UTF-8;"
             " rename it"

@@ -99,6 +99,14 @@ def warn(*texts, code="run"):
             print(f"warning: {text}", file=sys.stderr, flush=True)
 
 
+def of_locale(name):
+    """Return the message about the name of a file that the locale's encoding has no letters for."""
+    return (
+        f"path {name!r}: the locale's encoding is {sys.getfilesystemencoding()}; expected UTF-8, in"
+        " which this name is: set LC_ALL=C.UTF-8, and do not set PYTHONUTF8=0"
+    )
+
+
 class InputError(ValueError):
     """Bad input: its one-line message says what was given, what was expected and how to correct
     it."""

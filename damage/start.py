@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 
-from damage.errors import InputError, RunError, WriteError, one_line
+from damage.errors import InputError, RunError, WriteError, of_locale, one_line
 from damage.memory import shortage
 
 EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_MISSING, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
@@ -71,6 +71,8 @@ def report_error(error, of=""):
         os._exit(EXIT_FAILED)  # HDF5 would crash on the way out
     if isinstance(error, InputError):
         status = EXIT_INPUT
+    elif isinstance(error, UnicodeEncodeError) and error.encoding == sys.getfilesystemencoding():
+        message, status = of_locale(error.object), EXIT_INPUT
     elif isinstance(error, ImportError) and missing_library(error):
         message, status = missing_library(error), EXIT_MISSING
     elif isinstance(error, MemoryError):
