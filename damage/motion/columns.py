@@ -36,7 +36,12 @@ EXPECTED_HEADER = (
 )
 EXPECTED_UNIT = f"a header such as time_s,acc_m_s2, or --unit {'|'.join(UNITS_M_S2)}"
 
-_START_UTC = re.compile(r"#.*\bstart\s+(\d{4}-\d\d-\d\dT[\d:.]+Z?)")
+_START_UTC = re.compile(
+    r"#.*\bstart(?:[ _]?time)?(?:[ _]?utc)?\s*[:=]?\s*"
+    r"(\d{4}-\d\d-\d\d[T ][\d:.]+(?:Z|[-+]\d\d:?\d\d)?)",
+    re.IGNORECASE,
+)
+"""Start of the time column in a comment."""
 _TIME = re.compile(r"(?:time|t) *[ _\[(] *(?:s|sec|seconds?) *[\])]?")
 _ACCELERATION = re.compile(r"(?:a|acc|accel|acceleration) *[ _\[(] *(.+?) *[\])]?")
 _DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|\d+,\d+)(?:[eEdD][-+]?\d+)?")
@@ -57,7 +62,15 @@ def read(path, data, unit=None, sample_step_s=None):
         )
     found = filter(None, map(_START_UTC.match, lines))
     start_utc = next((_utc(start.group(1), first_s, path) for start in found), "")
-    return Record(record_name(path), step_s, acceleration_m_s2, start_utc, str(path), unit=unit)
+    return Record(
+        record_name(path),
+        step_s,
+        acceleration_m_s2,
+        start_utc,
+        str(path),
+        unit=unit,
+        first_s=first_s,
+    )
 
 
 def lines_of(path, data):

@@ -317,8 +317,8 @@ def motion_summary(loading, eigen_period_s=None):
 
     Beside the measures: "motion", its name; "unit" of the file's samples, and what says so;
     "gravity_m_s2", 1 g; "scale", "window_s", "baseline_order" and "band_hz" as given; "time_step_s"
-    of the record, "interpolated_for_s" and "lost_by_lines" of the Recorded; "filtered", the names
-    of the measures that are of a band-passed motion: all of them or none.
+    of the record, "interpolated_for_s", "lost_by_lines" and "late_s" of the Recorded; "filtered",
+    the names of the measures that are of a band-passed motion: all of them or none.
     """
     if eigen_period_s is not None:
         loading = loading.for_period(eigen_period_s)
@@ -338,6 +338,7 @@ def motion_summary(loading, eigen_period_s=None):
         "time_step_s": loading.record.time_step_s,
         "interpolated_for_s": loading.interpolated_for_s,
         "lost_by_lines": loading.lost_by_lines,
+        "late_s": loading.late_s,
         "filtered": [] if loading.band_hz is None else list(measures),
         **measures,
     }
@@ -360,6 +361,18 @@ def _describe_sampling(found):
     )
 
 
+def late_lines(late_s):
+    """Lines that say which components were moved in time, of `late_s` of a Recorded.
+
+    >>> late_lines({"up": 2.0})
+    ['up begins +2 s after the horizontal component by its file: moved to that time']
+    """
+    return [
+        f"{name} begins {late:+g} s after the horizontal component by its file: moved to that time"
+        for name, late in late_s.items()
+    ]
+
+
 def describe(found):
     """A `motion_summary` as lines for people."""
     names = list(found)
@@ -376,6 +389,7 @@ def describe(found):
         f"unit of the file: {found['unit'] or 'm_s2 (made in Python)'}",
         f"filter: {band}",
         f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}",
+        *late_lines(found["late_s"]),
     ]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
     lines += [

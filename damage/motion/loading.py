@@ -258,6 +258,18 @@ class Recorded(Loading):
             _check_pair(self.record, self.across)
         self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
+    @property
+    def components(self):
+        """The records, as they were read: the horizontal one, and others where there are any."""
+        return tuple(filter(None, (self.record, self.vertical, self.across)))
+
+    @property
+    def late_s(self):
+        """{name: by how much it began later than the horizontal one [s]} of other components that
+        were moved by their times."""
+        least_s = 0.5 * self.record.time_step_s
+        return {one.name: one.late_s for one in self.components if abs(one.late_s) > least_s}
+
     @cached_property
     def motion(self):
         """The prepared horizontal and, where there is one, vertical record."""
@@ -632,17 +644,17 @@ def _check_simultaneous(record, other, name):
     """Both components must hold the same instants."""
     kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)]
     correction = (
-        "expected the same step, length and start, cut one with damage.motion.record.aligned_with"
+        "expected the same step, length and start: put it on that time axis, with"
+        " damage.motion.record.on_axis_of"
     )
     if kinds[0] != kinds[1]:
         raise InputError(
             f"{name} {other.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
             f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}"
         )
-    if record.start_utc and other.start_utc:
-        late_s = prepare.start_difference_s(other, record)
-        if abs(late_s) > 0.5 * record.time_step_s:
-            raise InputError(f"{other.name} starts {late_s:g} s after {record.name}; {correction}")
+    late_s = prepare.start_difference_s(other, record)
+    if abs(late_s) > 0.5 * record.time_step_s:
+        raise InputError(f"{other.name} starts {late_s:g} s after {record.name}; {correction}")
 
 
 def _check_pair(record, across):

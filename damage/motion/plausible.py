@@ -158,12 +158,9 @@ def spike_warnings(record):
 def record_warnings(loading):
     """Warnings of the records of a Recorded, as read and, for their offset, after baseline and
     band-pass."""
-    components = [
-        one for one in (loading.record, loading.vertical, loading.across) if one is not None
-    ]
     whole = replace(loading, window_s=None, scale=1.0)
     prepared = [one for one in (*whole.motion, whole.applied_across()) if one is not None]
-    return [text for one in components for text in spike_warnings(one)] + [
+    return [text for one in loading.components for text in spike_warnings(one)] + [
         text for one in prepared for text in offset_warnings(one)
     ]
 

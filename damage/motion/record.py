@@ -40,6 +40,9 @@ class Record:
     beside_sha256: those of every other file that was read with it, as a StationXML.
     unit: which unit the file's samples were taken to be in, and what says so, or "".
     given: arguments of `read_record` that the file does not say, fit for JSON.
+    first_s: time of the first sample by the file's own column, which counts where no file says
+        start_utc [s].
+    late_s: by how much it began later than the component on whose time axis it is [s].
     """
 
     name: str
@@ -51,6 +54,8 @@ class Record:
     beside_sha256: tuple[str, ...] = ()
     unit: str = ""
     given: dict = field(default_factory=dict)
+    first_s: float = 0.0
+    late_s: float = 0.0
 
     def __post_init__(self):
         where = self.source or self.name or "record"
@@ -143,27 +148,19 @@ def _ends(record, t0_s, t1_s):
 
 def _cut(record, first, acceleration_m_s2):
     """The record with other samples, of which the first is at one of its own."""
-    start_utc = _utc(record.start_utc, first * record.time_step_s, record.name)
-    return replace(record, acceleration_m_s2=acceleration_m_s2, start_utc=start_utc)
-
-
-def aligned_with(record, reference):
-    """The part of a record that covers the same time as another one, by their start_utc."""
-    early_s = start_difference_s(reference, record)
-    spare_s = record.duration_s - reference.duration_s
-    half_step_s = 0.5 * record.time_step_s
-    if not -half_step_s < early_s < spare_s + half_step_s:
-        raise InputError(
-            f"{record.name} starts {early_s:g} s before {reference.name} and is {spare_s:g} s"
-            f" longer; expected it to cover the other, cut {reference.name} with windowed() first"
-        )
-    early_s = max(early_s, 0.0)
-    return windowed(record, early_s, early_s + reference.duration_s)
+    later_s = first * record.time_step_s
+    return replace(
+        record,
+        acceleration_m_s2=acceleration_m_s2,
+        start_utc=_utc(record.start_utc, later_s, record.name),
+        first_s=record.first_s + later_s,
+    )
 
 
 def on_axis_of(record, reference, window_s=None):
-    """A record on the time axis of another one, by their start_utc, zero where it has no samples;
-    within the window, by default all of the other one, it has to have them."""
+    """Return a record on the time axis of another one, by their start times (`start_difference_s`),
+    zero where it has no samples; within the window, by default all of the other one, it has to have
+    them."""
     step_s, late_s = reference.time_step_s, start_difference_s(record, reference)
     if abs(record.time_step_s / step_s - 1) > 1e-9:
         raise InputError(
@@ -184,15 +181,23 @@ def on_axis_of(record, reference, window_s=None):
         )
     found = np.zeros(size)
     found[begin:end] = record.acceleration_m_s2[begin - first : end - first]
-    return replace(record, acceleration_m_s2=found, start_utc=reference.start_utc)
+    return replace(
+        record,
+        acceleration_m_s2=found,
+        start_utc=reference.start_utc,
+        first_s=reference.first_s,
+        late_s=late_s,
+    )
 
 
 def start_difference_s(record, other):
-    """Start of a record minus the start of another one [s]; 0 of two without start time that are as
-    long, in equal steps."""
+    """Start of a record minus the start of another one [s], by their own times where neither has a
+    start time; 0 of two that are as long, in equal steps, and begin at the same time of their
+    own."""
     sizes = {(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)}
-    if not (record.start_utc or other.start_utc) and len(sizes) == 1:
-        return 0.0
+    late_s = record.first_s - other.first_s
+    if not (record.start_utc or other.start_utc) and (late_s or len(sizes) == 1):
+        return late_s
     for one in (record, other):
         if not one.start_utc:
             raise InputError(

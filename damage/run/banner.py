@@ -2,6 +2,7 @@
 
 import math
 
+from damage.motion.intensity import late_lines
 from damage.motion.record import FINER
 from damage.run.schedule import sample_steps, stages
 from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
@@ -113,16 +114,17 @@ def stress_lines(settings, layout, time_step):
 
 
 def record_lines(settings):
-    """Lines that say which unit the records of RunSettings were taken to be in, none where there is
-    no record."""
-    units = {}
+    """Lines that say which unit the records of RunSettings were taken to be in, and which component
+    was moved in time; none where there is no record."""
+    units, late_s = {}, {}
     for event in settings.recorded:
-        for record in filter(None, (event.loading.record, event.loading.vertical)):
+        late_s |= event.loading.late_s
+        for record in event.loading.components:
             units.setdefault(record.unit or "m_s2 (made in Python)", {})[record.name] = None
     return [
         f"unit of {', '.join(names) if len(names) < 4 else f'{len(names)} records'}: {unit}"
         for unit, names in units.items()
-    ]
+    ] + late_lines(late_s)
 
 
 def describe_joint(joint, scatter=0.0):

@@ -14,7 +14,7 @@ from damage.motion.loading import (
     Recorded,
     TopDisplacement,
 )
-from damage.motion.record import aligned_with, on_axis_of
+from damage.motion.record import on_axis_of
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 
@@ -325,13 +325,16 @@ def recorded(parsed):
         "unit": None if parsed.unit == BY_FILE else parsed.unit,
         "sample_step_s": parsed.sample_step,
     }
-    record, vertical = read_record(parsed.record, **given), getattr(parsed, "vertical", None)
+    record = read_record(parsed.record, **given)
     window = parsed.window and tuple(parsed.window)
-    across = parsed.across and on_axis_of(read_record(parsed.across, **given), record, window)
+    others = {
+        name: on_axis_of(read_record(path, **given), record, window)
+        for name in ("vertical", "across")
+        if (path := getattr(parsed, name, None))
+    }
     return Recorded(
         record,
-        vertical=aligned_with(read_record(vertical, **given), record) if vertical else None,
-        across=across,
+        **others,
         **_given(
             scale=parsed.scale,
             window_s=window,

@@ -20,18 +20,25 @@ from damage.applications.studies.definition import load_study
 from damage.applications.studies.inputs import as_json, differences
 from damage.files import LONGEST_LINE
 from damage.motion import columns
-from damage.motion.formats import format_of, read_record, shipped_record_path
+from damage.motion.formats import NAMES, format_of, read_record, shipped_record_path
 from damage.motion.intensity import pga_g, pgv_cm_s
 from damage.motion.loading import Recorded, loading_from_dict
 from damage.motion.plausible import faint_warnings, implausible_velocity
+from damage.motion.record import Record
 from damage.motion.sequence import read_sequence
 from damage.run.banner import record_lines
 from damage.units import GRAVITY
 
 STEP_S = 0.005
 TIME_S = STEP_S * np.arange(400)
-PHASE = (np.pi * 4.0 * (TIME_S - 0.6)) ** 2
-PULSE_G = 0.15 * (1 - 2 * PHASE) * np.exp(-PHASE)
+
+
+def pulse_g(time_s):
+    phase = (np.pi * 4.0 * (time_s - 0.6)) ** 2
+    return 0.15 * (1 - 2 * phase) * np.exp(-phase)
+
+
+PULSE_G = pulse_g(TIME_S)
 PULSE_GAL = 981 * PULSE_G
 PULSE_PGV_CM_S = 5.0155
 ROUND_OFF = 1e-12  # relative: a few operations in double precision on numbers of one size
@@ -375,6 +382,57 @@ def test_rounded_times_are_uniform_enough_and_a_decimal_step_stays_the_same_numb
     assert read_record(record_file(tmp_path, text), unit="g").time_step_s == 0.01
 
 
+UTC = "# start 2018-01-08T14:00:37Z\n"
+
+
+class TestComponentsThatBeginApart:
+    """The same pulse at the same instants in a component that begins 0.2 s later.  Read as if they
+    began together RotD100 of its PGA is 0.15 g, not 0.15 times the root of 2.
+
+    Of miniSEED: `TestMiniSeed`.
+    """
+
+    @pytest.mark.parametrize(
+        "first, later, times_s",
+        [
+            ("", "", TIME_S + 0.2),
+            (UTC, UTC, TIME_S + 0.2),
+            (UTC, "# start 2018-01-08T14:00:37.2Z\n", TIME_S),
+            (UTC, "# Start time: 2018-01-08 15:00:37.2+01:00\n", TIME_S),
+            (f"{HEAD}{COUNTS}", "", TIME_S + 0.2),
+        ],
+        ids=["columns", "columns and stamps", "stamps", "another zone", "AT2 and a column"],
+    )
+    def test_they_are_moved_by_their_times(self, first, later, times_s, tmp_path, output_of):
+        text = first + (lines_of_five() if first[:4] == "PEER" else IN_G + BARE)
+        east = record_file(tmp_path, text)
+        text = later + IN_G + rows(times_s, pulse_g(TIME_S + 0.2))
+        other = written(tmp_path / "other.csv", text)
+        window = "--window", "0.25", "1.9"
+        found = json.loads(output_of("record", east, "--across", other, *window, "--json"))
+        assert found["pga_rotd100_g"] == pytest.approx(0.15 * np.sqrt(2), rel=1e-4)
+        assert found["late_s"] == {"other": pytest.approx(0.2)}
+        words = ["--record", str(east), "--vertical", str(other), *window]
+        asked = parse_run(words, "test", "reference")
+        horizontal, vertical = asked.loading.motion
+        assert_allclose(vertical.acceleration_m_s2, horizontal.acceleration_m_s2, atol=1e-5)
+        assert "other begins +0.2 s after the horizontal component" in record_lines(asked)[-1]
+        refused_with("has samples from 0.2 to", parse_run, words[:4], "test", "reference")
+
+    def test_without_times_they_are_as_long(self, tmp_path):
+        east = written(tmp_path / "east.at2", HEAD + COUNTS + lines_of_five())
+        text = HEAD + COUNTS.replace("400", "360") + lines_of_five(PULSE_G[40:])
+        words = ["--record", str(east), "--across", str(written(tmp_path / "north.at2", text))]
+        refused_with("has no start time", parse_run, words, "test", "reference")
+
+    def test_each_format_has_its_pair_here(self):
+        assert NAMES == "CSV, PEER AT2, miniSEED"
+
+    def test_two_records_in_python_are_held_to_their_times(self):
+        late = Record("late", STEP_S, PULSE_G, first_s=0.2)
+        refused_with("starts 0.2 s after", Recorded, Record("r", STEP_S, PULSE_G), across=late)
+
+
 class TestUnitOfARun:
     """How a record's unit is said by commands, histories, sequences and studies."""
 
@@ -513,6 +571,18 @@ class TestMiniSeed:
         broken = self.saved(obspy.Stream([first, late]), tmp_path)
         message = one_line_error(read_record, broken, self.STATION_XML)
         assert "gap or overlap between 2018-01-08T14:00:47.090000Z" in message
+
+    def test_a_component_that_begins_later_is_moved(self, trace, tmp_path):
+        east = self.saved(trace, tmp_path)
+        (tmp_path / "NL.BGAR.xml").write_bytes(self.STATION_XML.read_bytes())
+        late = trace.slice(starttime=trace.stats.starttime + 1)
+        late.stats.channel = "HGN"
+        north = self.saved(late, tmp_path, "north.mseed")
+        words = ["--record", east, "--across", north, "--vertical", north, "--window", 3, 10]
+        loading = parse_run([str(word) for word in words], "test", "reference").loading
+        assert loading.late_s == {"NL.BGAR..HGN": 1.0}
+        for other in (loading.motion[1], loading.applied_across()):  # but for their offsets
+            assert np.ptp(other.acceleration_m_s2 - loading.motion[0].acceleration_m_s2) < 1e-12
 
     def test_two_components_are_refused(self, trace, obspy, tmp_path):
         other = trace.copy()

@@ -144,7 +144,7 @@ class TestRecorded:
         ],
     )
     def test_vertical_must_be_simultaneous(self, vertical):
-        refused_with("aligned_with", Recorded, noise(), vertical=vertical)
+        refused_with("on_axis_of", Recorded, noise(), vertical=vertical)
 
     def test_names(self, bgar):
         assert Recorded(bgar, window_s=(17, 23)).name == "BGAR_HGE_x1_17-23s"

@@ -20,10 +20,10 @@ from damage.motion.record import (
     KAISER_BETA,
     REACH,
     Record,
-    aligned_with,
     band_passed,
     baseline_corrected,
     interpolated,
+    on_axis_of,
     whole_steps,
     windowed,
 )
@@ -159,17 +159,17 @@ class TestAlignment:
     def test_the_common_part_holds_the_same_instants(self):
         whole = sine_record()
         late = windowed(whole, 3.0, 8.0)
-        part = aligned_with(whole, late)
-        assert part.start_utc == late.start_utc
+        part = on_axis_of(whole, late)
+        assert (part.start_utc, part.late_s) == (late.start_utc, -3.0)
         assert_allclose(part.acceleration_m_s2, late.acceleration_m_s2, rtol=0, atol=0)
 
     def test_components_without_start_times_begin_together(self):
         """As those of AT2 files, which have none."""
         one, other = (replace(sine_record(), start_utc="") for _ in range(2))
-        assert aligned_with(one, other).acceleration_m_s2.size == one.acceleration_m_s2.size
+        assert on_axis_of(one, other).acceleration_m_s2.size == one.acceleration_m_s2.size
         shorter = replace(other, acceleration_m_s2=other.acceleration_m_s2[:-5])
         assert "has no start time: expected that of both" in one_line_error(
-            aligned_with, one, shorter
+            on_axis_of, one, shorter
         )
 
 
@@ -261,7 +261,7 @@ SINE = sine_record()
         ("yesterday", Record, "r", 1.0, [0, 1], "yesterday"),
         *(("window", windowed, SINE, *ends) for ends in ((5, 21), (5, 5), (1.0, 1.001))),
         *(
-            ("to cover the other", aligned_with, windowed(SINE, 3.0, 8.0), windowed(SINE, *ends))
+            ("has samples from", on_axis_of, windowed(SINE, 3.0, 8.0), windowed(SINE, *ends))
             for ends in ((2.0, 4.0), (7.0, 9.0), (0.0, 20.0))
         ),
         *(("100 Hz", band_passed, SINE, *corners) for corners in ((20, 10), (10, 10), (0.1, 100))),

@@ -35,7 +35,15 @@ NO_INPUT = {
         "checkpoint_s",
         "resumed",
     },
-    Record: {"acceleration_m_s2", "time_step_s", "start_utc", "source", "unit"},
+    Record: {
+        "acceleration_m_s2",
+        "time_step_s",
+        "start_utc",
+        "source",
+        "unit",
+        "first_s",
+        "late_s",
+    },
 }
 """Fields that decide no value, or that follow from the files whose checksums stand beside them."""
 
