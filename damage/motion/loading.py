@@ -658,11 +658,12 @@ def _check_simultaneous(record, other, name):
 
 
 def _check_pair(record, across):
-    """Two components have to be of one station, by their names where these end in channels as
-    HGE."""
+    """Two components have to be horizontal ones of one station, by their names where these end in
+    channels as HGE."""
     stations = [re.fullmatch(r"(.+)[._][A-Z]{2}[A-Z0-9]", one.name) for one in (record, across)]
     same = record.name == across.name or (record.sha256 and record.sha256 == across.sha256)
-    if same or (all(stations) and stations[0][1] != stations[1][1]):
+    elsewhere = all(stations) and stations[0][1] != stations[1][1]
+    if same or elsewhere or prepare.VERTICAL.fullmatch(across.name):
         raise InputError(
             f"across {across.name} beside {record.name}: expected the other horizontal component of"
             " the same station; give that one"

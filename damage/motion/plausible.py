@@ -11,6 +11,7 @@ import numpy as np
 
 from damage.fields import message_of, plausible, ranges_of
 from damage.motion.loading import Harmonic, Recorded, TopDisplacement
+from damage.motion.record import HORIZONTAL, VERTICAL
 from damage.motion.sequence import Event
 
 RANGES = dict(
@@ -155,12 +156,27 @@ def spike_warnings(record):
     ]
 
 
+def channel_warnings(loading):
+    """Warnings of components of a Recorded whose names are those of another direction: a list of
+    lines."""
+    return [
+        f"{record.name}: its name is that of a {named} component, and it is taken as the {taken}"
+        f" motion; expected a {taken} one, give that"
+        for record, of_another, named, taken in (
+            (loading.record, VERTICAL, "vertical", "horizontal"),
+            (loading.vertical, HORIZONTAL, "horizontal", "vertical"),
+        )
+        if record and of_another.fullmatch(record.name)
+    ]
+
+
 def record_warnings(loading):
-    """Warnings of the records of a Recorded, as read and, for their offset, after baseline and
-    band-pass."""
+    """Warnings of the records of a Recorded, as named, as read and, for their offset, after
+    baseline and band-pass."""
     whole = replace(loading, window_s=None, scale=1.0)
     prepared = [one for one in (*whole.motion, whole.applied_across()) if one is not None]
-    return [text for one in loading.components for text in spike_warnings(one)] + [
+    read = [text for one in loading.components for text in spike_warnings(one)]
+    return [*channel_warnings(loading), *read] + [
         text for one in prepared for text in offset_warnings(one)
     ]
 

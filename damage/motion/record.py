@@ -1,6 +1,7 @@
 """A ground-motion record and its operations: every function returns a new `Record`."""
 
 import math
+import re
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 
@@ -25,6 +26,11 @@ FINER, REACH, KAISER_BETA = 10, 64, 8.0
 """Of band-limited interpolation: samples for each one of the record, samples of the record on
 either side that count, and shape of the Kaiser window: 1e-4 off up to 0.96 of half the sampling
 rate.  Lines between the new samples take off up to 0.8 % there."""
+
+_CHANNEL = r"(?:.*[._-])?(?:[A-Z][GHLN]{}|{}\d?)|RSN\d.*{}"
+VERTICAL = re.compile(_CHANNEL.format("Z", "UD", "(?:UP|DWN|VER)"))
+HORIZONTAL = re.compile(_CHANNEL.format("[NE12]", "(?:NS|EW)", r"\d{3}"))
+"""Names of records by their channels: of SEED, as HNZ, of K-NET, as UD, and of PEER's files."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,6 +90,28 @@ class TestOffsetsAndSpikes:
             for one in record_warnings(Recorded(quiet, across=Record("r", 0.005, motion)))
         )
 
+    @pytest.mark.parametrize(
+        "horizontal, vertical",
+        [("ABCD_HNE", "ABCD_HNZ"), ("NL.BGAR..HG1", "NL.BGAR..HGZ"), ("AKT013_NS2", "AKT013.UD")]
+        + [("RSN6_IMPVALL.I_I-ELC180", "RSN6_IMPVALL.I_I-ELC-UP"), ("HNN", "HNZ")],
+    )
+    def test_a_component_in_the_other_s_place_by_its_name(self, horizontal, vertical):
+        """One named as vertical gave a RotD100 of the wrong two directions without a word."""
+        level, up = (replace(sine_record(), name=name) for name in (horizontal, vertical))
+        other = replace(level, name="other")
+        assert record_warnings(Recorded(level, vertical=up, across=other)) == []
+        (said,) = record_warnings(Recorded(up))
+        assert said.startswith(f"{vertical}: its name is that of a vertical component")
+        (said,) = record_warnings(Recorded(other, vertical=level))
+        assert "its name is that of a horizontal component, and it is taken as the vertical" in said
+        refused_with("expected the other horizontal component", Recorded, level, across=up)
+
+    @pytest.mark.parametrize("name", ["up", "SETUP", "motion_XYZ", "quake_Z", "a_ABZ", "x_180"])
+    def test_other_names_say_nothing_of_a_direction(self, name):
+        record = replace(sine_record(), name=name)
+        assert record_warnings(Recorded(record)) == []
+        Recorded(sine_record(), across=record)
+
     def test_no_record_that_ships_is_doubtful(self):
         paths = [path for path in shipped_records().values() if path.suffix == ".csv"]
         assert len(paths) >= 30
