@@ -56,14 +56,15 @@ LONGEST_LINE = 100_000
 
 
 def text_lines(path, data, most, errors="strict"):
-    """Lines of a text file's bytes in UTF-8 or UTF-16, without their ends; errors: what to do with
-    other bytes, as of `open`.
+    """Lines of a text file's bytes in UTF-8 or UTF-16, without their ends and without the Ctrl-Z by
+    which DOS ended files; errors: what to do with other bytes, as of `open`.
 
     Raises InputError for more than `most` lines, or one over LONGEST_LINE: either would take far
     more memory, once it is cut in parts, than the file has bytes.
     """
     text = io.TextIOWrapper(io.BytesIO(data), encoding_of(data), errors)
     lines = [line.rstrip("\n") for line in itertools.islice(text, most + 1)]
+    lines[-1:] = [line.rstrip("\x1a") for line in lines[-1:]]
     if len(lines) > most:
         raise InputError(f"{path}: more than {most} lines; expected fewer, take some out")
     longest = max(range(len(lines)), key=lambda k: len(lines[k]), default=None)

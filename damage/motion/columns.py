@@ -128,11 +128,20 @@ def read_columns(path, lines, unit=None, sample_step_s=None):
     table = CsvTable(path, names, rows, separator, COLUMNS)
     table.refuse_empty(*names)
     time_s, acceleration = table.rows.to_numpy().T
+    _refuse_doubled(table, time_s, acceleration)
     step_s = sample_step_s if alone else uniform_step(path, table.line, time_s, sample_step_s)
     check_step(path, step_s)
     taken, words = _unit(path, named_by, named, unit)
     first_s = 0.0 if alone else float(time_s[0])
     return step_s, first_s, acceleration * UNITS_M_S2[taken], words
+
+
+def _refuse_doubled(table, time_s, acceleration):
+    """Raise InputError where rows are there twice; times that are rounded have other accelerations
+    where they are equal."""
+    again = np.append(False, np.diff(time_s) == 0)
+    if not np.diff(acceleration, prepend=0.0)[again].any():
+        table.refuse(again, "the row before it once more; expected each once, take it out")
 
 
 def _is_header(line):
@@ -307,12 +316,15 @@ def uniform_step(path, lines, time_s, given_s=None):
     off_grid = np.abs(time_s - time_s[0] - step * np.arange(time_s.size))
     uniform = steps.min() > 0 and off_grid.max() <= TIME_TOLERANCE * step
     if not uniform:
-        _refuse_rounded(path, time_s, steps, usual)
+        _refuse_rounded(path, time_s, steps, usual, off_grid.max())
     if not steps.min() > 0:
         k = int(np.argmax(steps <= 0))
+        correction = "sort the rows, or keep one of several records"
+        if not steps[k]:
+            correction = "keep one of the two rows"
         raise InputError(
             f"{path}: line {lines[k + 1]}: time {time_s[k + 1]:g} s after {time_s[k]:g} s;"
-            " expected times that increase, sort the rows"
+            f" expected times that increase: {correction}"
         )
     if not uniform:
         k = int(np.argmax(np.abs(steps - usual)))
@@ -335,13 +347,16 @@ def uniform_step(path, lines, time_s, given_s=None):
     return step
 
 
-def _refuse_rounded(path, time_s, steps, usual):
-    """Raise InputError where times have too few decimals for their step."""
+def _refuse_rounded(path, time_s, steps, usual, off_grid):
+    """Raise InputError where times have too few decimals for their step; off_grid: their largest
+    distance from uniform ones, to which rounding adds half a unit of the last place at either
+    end."""
     decimals = _decimals(time_s)
     last_place = 10.0**-decimals
     unlike = np.abs(steps - usual) > 0.5 * last_place
     if (
         steps.min() < 0
+        or off_grid > 1.001 * last_place
         or np.ptp(steps) > 1.5 * last_place
         or unlike.sum() < max(2, _ROUNDED_SHARE * steps.size)
     ):

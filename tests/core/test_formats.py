@@ -93,10 +93,12 @@ SEPARATED = (
     "time_s;acc_gal;;\n0;12,5;;\n0,01;-25;;\n",
     "time_s,acc_gal\n0,12.5,\n0.01,-25,\n",
     "time_s,acc_gal\n0,.125D+02\n0.01,-25.0d0\n",
+    "time_s,acc_gal\n0,12.5\n0.01,-25\n\x1a",
+    "time_s;acc_gal\n0;12,5\n0,01;-25\x1a\x1a",
     "\n\n# by hand\ntime_s,acc_gal\n\n0,12.5\n# middle\n0.01,-25\n",
 )
 """12.5 and -25 gal, 0.01 s apart, with separators, decimal commas, quotes, exponents of Fortran,
-comments and blank lines."""
+comments, blank lines and the Ctrl-Z that ended files of DOS."""
 UNITS_M_S2 = {
     "time_s,acc_cm_s2": 0.01,
     "Time (s), Acceleration (gal)": 0.01,
@@ -161,6 +163,7 @@ FROM_ELSEWHERE = (
     HEAD.replace("OF G", "OF (G)") + COUNTS + lines_of_five(),
     HEAD.replace("OF G", "OF G. FILTER POINTS: HP=0.03 Hz LP=23.6 Hz") + COUNTS + lines_of_five(),
     HEAD + COUNTS + lines_of_five() + "END\n",
+    HEAD + COUNTS + lines_of_five().rstrip() + "\x1a",
     "Orig PEER filename\nH1 for rotation: A\nH2 for rotation: B\nangle -37.0\nFN component\n"
     "Acceleration in g\n400 0.0050 NPTS, DT\n" + lines_of_five(),
     "El Centro\n400 points\nformat of 8F10.5, i.e., 8 points across in\na row\nThe units are (g)\n"
@@ -198,6 +201,7 @@ def test_the_pulse_is_read_however_it_is_written(text, given, unit, tmp_path):
 
 # --- text that is refused -------------------------------------------------------------------------
 
+TWICE = np.sort([*range(40), 8, 9, 10, 11]) / 100
 NAMES_NONE = "names no unit of the acceleration; expected a header such as time_s,acc_m_s2, or "
 REFUSED = {
     " \n\n": "empty",
@@ -210,7 +214,16 @@ REFUSED = {
     "0,1\n0.01,\n": "line 2: no acceleration; expected it in every row",
     "0,1\n0.01,2\n0.03,3\n0.04,3\n0.05,3\n": "line 3: a step of 0.02 s among 0.01 s",
     "0.02,1\n0.01,2\n0,3\n": "line 2: time 0.01 s after 0.02 s",
-    "0,1\n0.01,2\n0.01,3\n": "line 3: time 0.01 s after 0.01 s",
+    "0,1\n0.01,2\n0.01,3\n": (
+        "line 3: time 0.01 s after 0.01 s; expected times that increase: keep one of the two rows"
+    ),
+    "0,1\n0.01,2\n0,1\n0.01,2\n": "sort the rows, or keep one of several records",
+    IN_G + "".join(2 * line for line in BARE.splitlines(keepends=True)): (
+        "line 3: the row before it once more; expected each once"
+    ),
+    # four rows of forty
+    IN_G + rows(TWICE, [0.1] * 44): "line 11: the row before it once more",
+    IN_G + rows(TWICE, np.arange(44)): "line 11: time 0.08 s after 0.08 s; expected times that in",
     "0;1;2\n0,01;1;2\n": "line 1: 3 cells; expected 2, time, acceleration",
     "0,00;1,5\n0,01;1.200,5\n": "line 2: acceleration = '1.200,5': expected a finite number",
     "0,00,1,5\n0,01,1,5\n": (
