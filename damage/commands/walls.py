@@ -29,6 +29,7 @@ from damage.wall import as_built, materials
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
+from damage.wall.meeting import warn_of_lone_walls
 from damage.wall.plan import plan_of
 
 
@@ -116,6 +117,7 @@ def _draw(asked):
         wall = in_units(read_house(asked.wall), asked.units)
         if not asked.accept_implausible:
             check_plausible(wall)
+        warn(*warn_of_lone_walls(wall))
         figure = house_preview(lay_out_house(wall, model_of(asked)))
     else:
         wall = _plausible_wall(asked)

@@ -70,7 +70,7 @@ class Placed:
             x, y = (float(value) for value in self.origin)
         except (TypeError, ValueError):
             x = y = np.inf
-        if not max(abs(x), abs(y)) <= LONGEST_M:
+        if not np.isfinite([x, y]).all():
             raise InputError(
                 f"wall {self.wall.name}: origin = {self.origin!r}: expected [x, y] in m, of its"
                 " left end in plan; correct it"
@@ -183,6 +183,7 @@ class House:
             object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.walls:
             raise InputError(f"house {self.name} has no [[walls]]: expected one or more; add them")
+        _check_origins(self)
         names = self.names
         for name in names:
             if names.count(name) > 1:
@@ -244,6 +245,22 @@ class House:
                 for name in ("corners", "floors", "ties")
             },
         }
+
+
+def _check_origins(house):
+    """Refuse origins far from that of the plan: in map coordinates, or in another unit than m."""
+    origins = np.array([placed.origin for placed in house.walls])
+    if np.abs(origins).max() > LONGEST_M:
+        x, y = origins[0]
+        raise InputError(
+            f"house {house.name}: origins up to {np.abs(origins).max():.9g} m from [0, 0]: expected"
+            f" up to {LONGEST_M:g} m; "
+            + (
+                f"these are map coordinates: subtract [{x:.12g}, {y:.12g}] from each of them"
+                if np.ptp(origins, axis=0).max() <= LONGEST_M
+                else "these are no metres, or of two plans: give them in m (1 mm is 0.001 m)"
+            )
+        )
 
 
 def _check_corner(house, corner):

@@ -33,6 +33,7 @@ from damage.rounded import to_bits
 from damage.wall.floors import Floor
 from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
 from damage.wall.layout import Cells, Supports, lay_out
+from damage.wall.meeting import check_plan
 from damage.wall.model_options import ModelOptions
 
 GAP_M = 0.5
@@ -49,6 +50,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     corner, or overlap.
     """
     options = options or ModelOptions()
+    check_plan(house)
     parts = [
         lay_out(
             one.wall,

@@ -42,6 +42,7 @@ from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.layout import Layout, lay_out
+from damage.wall.meeting import warn_of_lone_walls
 from damage.wall.soil import fastest_decay
 
 
@@ -378,6 +379,8 @@ def announce(plan):
             ),
             code="softening_step",
         )
+    if plan.layout.space:
+        warn(*warn_of_lone_walls(plan.layout.space.house), code="lone_walls")
     lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
     print(
         *lines,

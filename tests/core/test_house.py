@@ -16,6 +16,7 @@ from damage.linear.modes import natural_modes, stiffness_matrix
 from damage.motion.settlement import Settlement
 from damage.wall.kinds import BED, GROUND, SLAB_COURSE
 from damage.wall.layout import lay_out
+from damage.wall.meeting import warn_of_lone_walls
 
 BOX = REPOSITORY / "houses/box.toml"
 TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}
@@ -78,11 +79,16 @@ def _floor(level, one, other, kind="timber"):
     "old, new, says",
     [
         ("[0.1, -0.1]", "[0.1, 0.3]", "front and left do not meet: expected their corner at (0.1"),
-        ("[0.1, -0.1]", "[0.15, -0.1]", "front and left overlap at (0.150, 0.000"),
-        ("[0, 1.8]", "[0, 1.5]", "a half brick of one in the place of a whole one"),
+        ("[0.1, -0.1]", "[0.101, -0.1]", "miss by 0.001 m: origin = [0.1, -0.1] of left closes"),
+        ("[0.1, -0.1]", "[0.1, -0.099]", "miss by 0.001 m: origin = [0.1, -0.1] of left closes"),
+        ("[0, 1.8]", "[0, 1.5]", "miss by 0.3 m: origin = [0, 1.8] of back closes it"),
+        ("direction = 90", "direction = -90", "miss by 0.2 m: direction = 90 of left closes it"),
+        ("[0, 1.8]", "[1e4, 0]", "these are no metres, or of two plans"),
+        ('"side.toml"\nname', '"front.toml"\nname', "expected a half brick of one in the place"),
         ('["front", "left"]', '["front", "lift"]', "expected two of its walls, front, left"),
-        ('"toothed"', '"butted"', "expected an end at a face of a butted corner"),
-        ("direction = 90", "direction = 80", "another than a right angle"),
+        ('"toothed"', '"butted"', 'miss by 0.2 m: kind = "toothed" closes it'),
+        ("direction = 90", "direction = 80", "another than a right angle: expected 90"),
+        ("direction = 90", "direction = 89.98", "give left direction = 90"),
         ('name = "right"', 'name = "left"', "two walls named left"),
         ('name = "box"', 'name = "box"\nroofs = 1', "has the key roofs: expected one of name"),
         (*_floor(2.6, "left", "right"), "takes courses 13 to 13 of 10"),
@@ -101,6 +107,54 @@ def _floor(level, one, other, kind="timber"):
 def test_a_house_that_cannot_be_is_refused_with_its_place(tmp_path, old, new, says):
     path = _box(tmp_path, old, new)
     assert says in one_line_error(lambda: lay_out_house(read_house(path)))
+
+
+def _moved(house, change):
+    """The house with other origins."""
+    walls = [replace(one, origin=change(np.array(one.origin))) for one in house.walls]
+    return replace(house, walls=walls)
+
+
+def test_origins_of_a_map_or_in_another_unit_are_named():
+    house, corner = read_house(BOX), np.array([252341.5, 593107.2])
+    assert "subtract [252341.5, 593107.2] from each" in one_line_error(
+        _moved, house, lambda origin: origin + corner
+    )
+    large = _moved(house, lambda origin: 100 * origin)
+    assert "origins in m, as all are in cm, closes it" in one_line_error(lay_out_house, large)
+
+
+def test_walls_may_be_given_clockwise():
+    house = read_house(BOX)
+    front, left, right, back = house.walls
+    clockwise = (
+        left,
+        replace(back, origin=(2.0, 1.8), direction=180),
+        replace(right, origin=(1.9, 1.9), direction=-90),
+        front,
+    )
+    found, expected = lay_out_house(replace(house, walls=clockwise)), lay_out_house(house)
+    assert_allclose(found.total_mass, expected.total_mass)
+    assert found.n_joints == expected.n_joints
+
+
+@pytest.mark.parametrize("number", [1, 2, 4])
+def test_a_wall_that_is_listed_twice_is_named(number):
+    house = read_house(BOX)
+    front = house.walls[0]
+    again = replace(front, wall=replace(front.wall, name="again"))
+    walls = *house.walls[:number], again, *house.walls[number:]
+    assert "walls front and again lie on each other" in one_line_error(
+        lay_out_house, replace(house, walls=walls)
+    )
+
+
+def test_walls_that_nothing_joins_are_named():
+    lone = replace(_cavity(y=3.0), ties=())
+    assert "joins inner, outer to another wall" in warn_of_lone_walls(lone)[0]
+    slab = Diaphragm(0.8, ("inner", "outer"), 400, "concrete", 0.2)
+    for joined in (_cavity(), replace(lone, floors=[slab]), read_house(BOX)):
+        assert warn_of_lone_walls(joined) == []
 
 
 def test_what_takes_a_wall_says_that_this_is_a_house():

@@ -1,0 +1,125 @@
+"""How walls of a house lie in plan: which lie on each other, which stand alone, and what closes a
+corner that two of them miss."""
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from damage.errors import InputError
+from damage.wall.house import KINDS_OF_CORNERS
+from damage.wall.kinds import TINY
+
+SIZES = {"mm": 1e-3, "cm": 1e-2}
+"""Units [m] in which a building model may have origins."""
+
+
+def check_plan(house):
+    """Raise InputError for walls of a House that lie on each other, or meet at another than a right
+    angle."""
+    corners = [set(corner.walls) for corner in house.corners]
+    for one, other in combinations(house.walls, 2):
+        names = [one.wall.name, other.wall.name]
+        where = f"house {house.name}, walls {' and '.join(names)}"
+        if abs(one.axes[0] @ other.axes[0]) < TINY:
+            continue
+        if set(names) in corners:
+            turn = (other.direction - one.direction) % 180
+            raise InputError(
+                f"{where} meet at {turn:.6g} degrees, another than a right angle: expected 90 at a"
+                f" corner; give {names[1]} direction = {(other.direction - turn + 90) % 360:.6g}"
+            )
+        distance = _distance(one, other)
+        if distance < TINY:
+            raise InputError(
+                f"{where} {'touch' if distance > -TINY else 'lie on each other'}: expected each"
+                " wall once, and a distance between walls that meet at no right angle; leave one"
+                " of them out, or move it"
+            )
+
+
+def warn_of_lone_walls(house):
+    """Warning of walls of a House that no corner, floor or tie joins to another: a list of at most
+    one line."""
+    parts = [part.walls for part in (*house.corners, *house.floors, *house.ties)]
+    alone = [
+        name for name in house.names if not any(name in part and len(part) > 1 for part in parts)
+    ]
+    if not alone or len(house.walls) == 1:
+        return []
+    return [
+        f"house {house.name}: no corner, floor or tie joins {', '.join(alone)} to another wall; add"
+        " it, unless they stand by themselves"
+    ]
+
+
+def how_to_close(house, one, other, kind):
+    """The end of a message: by how much two Placed walls of a House miss their corner of this kind,
+    and which one change closes most corners; empty where their places fit."""
+    way = _way_to(one, other, kind)
+    if np.linalg.norm(way) < TINY:
+        return ""
+    walls = {placed.wall.name: placed for placed in house.walls}
+    kinds = {corner.walls: corner.kind for corner in house.corners}
+    pair = next(names for names in kinds if set(names) == {one.wall.name, other.wall.name})
+    other_kind = KINDS_OF_CORNERS[kind == KINDS_OF_CORNERS[0]]
+    changes = {f'kind = "{other_kind}"': (walls, kinds | {pair: other_kind})}
+    for placed, step in ((other, way), (one, -way)):
+        name = placed.wall.name
+        turned = replace(placed, direction=(placed.direction + 180) % 360)
+        moved = replace(placed, origin=placed.origin + step)
+        x, y = np.round(moved.origin, 9) + 0.0
+        changes[f"direction = {turned.direction:g} of {name}"] = walls | {name: turned}, kinds
+        changes[f"origin = [{x:.9g}, {y:.9g}] of {name}"] = walls | {name: moved}, kinds
+    for unit, size in SIZES.items():
+        scaled = {
+            name: replace(placed, origin=size * np.array(placed.origin))
+            for name, placed in walls.items()
+        }
+        changes[f"origins in m, as all are in {unit},"] = scaled, kinds
+    open_corners = {words: _open_corners(*change) for words, change in changes.items()}
+    least = min(open_corners.values())
+    best = " or ".join(words for words, number in open_corners.items() if number == least)
+    return f"; they miss by {np.linalg.norm(way):.4g} m: {best} closes it"
+
+
+def _open_corners(walls, kinds):
+    """The number of corners {names: kind} that walls {name: Placed} miss."""
+    return sum(
+        float(np.linalg.norm(_way_to(walls[one], walls[other], kind))) > TINY
+        for (one, other), kind in kinds.items()
+    )
+
+
+def _way_to(one, other, kind):
+    """The shortest way in plan (2,) [m] of the second of two Placed walls at right angles to a
+    corner of this kind."""
+    axes, half = one.axes[:2, :2], one.wall.brick.thickness / 2
+    length = one.wall.length
+    ends = (other.ends - one.origin) @ axes.T
+    ways = []
+    for end, far_end in (ends, ends[::-1]):
+        inward = half * np.sign(far_end[1] - end[1])
+        if kind == "toothed":
+            ways += [(x - end[0], -inward - end[1]) for x in (half, length - half)]
+        else:
+            ways.append((np.clip(end[0], half, length - half) - end[0], inward - end[1]))
+    if kind == "butted":  # an end of the first at a face of the second
+        low, high = ends[:, 1].min(), ends[:, 1].max()
+        up = np.clip(0.0, half - high, -half - low)
+        ways += [(x - ends[0, 0], up) for x in (-half, length + half)]
+    return min(ways, key=np.linalg.norm) @ axes
+
+
+def _distance(one, other):
+    """Distance in plan of two Placed walls [m], below zero where they overlap: the largest along
+    their axes (separating axes of rectangles)."""
+    corners = []
+    for placed in (one, other):
+        half = placed.wall.brick.thickness / 2 * placed.axes[1, :2]
+        corners.append(np.concatenate([placed.ends - half, placed.ends + half]))
+    apart = []
+    for axis in np.concatenate([one.axes[:2, :2], other.axes[:2, :2]]):
+        first, second = (corner @ axis for corner in corners)
+        apart.append(max(first.min() - second.max(), second.min() - first.max()))
+    return float(max(apart))
