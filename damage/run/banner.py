@@ -5,7 +5,13 @@ import math
 from damage.motion.intensity import late_lines
 from damage.motion.record import FINER
 from damage.run.schedule import sample_steps, stages
-from damage.wall.as_built import describe_floors, describe_lintels, describe_openings, describe_top
+from damage.wall.as_built import (
+    describe_floors,
+    describe_lintels,
+    describe_openings,
+    describe_top,
+    replaced_lintels,
+)
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.lintels import describe_share, elastic_share
 
@@ -17,6 +23,8 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     [s]."""
     wall, plan, options = layout.wall, layout.plan, layout.options
     lintels = describe_lintels(plan)
+    own = "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
+    replaced = [text for one in _walls_of(layout) for text in replaced_lintels(one, options.lintel)]
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
         (
@@ -29,8 +37,9 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
         *describe_floors(plan),
         *masonry_lines(layout),
         *lintels,
+        *replaced,
         (
-            f"lintel{'s of their own' if lintels else f' {options.lintel}'}: "
+            f"lintel{own}: "
             f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}"
         ),
         (
@@ -46,10 +55,8 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
 def masonry_lines(layout):
     """Lines about the joints and bricks of a wall, of a house with the names of its walls where
     these differ."""
-    walls, found = [layout.wall], {}
-    if layout.space:
-        walls = [one.wall for one in layout.space.house.walls]
-    for wall in walls:
+    found = {}
+    for wall in _walls_of(layout):
         lines = (
             describe_joint(wall.joint, layout.options.strength_cov),
             describe_brick(wall.brick, layout.options),
@@ -60,6 +67,13 @@ def masonry_lines(layout):
         for lines, names in found.items()
         for line in lines
     ]
+
+
+def _walls_of(layout):
+    """The wall of a Layout, or those of its house, a list of damage.Wall."""
+    if layout.space:
+        return [one.wall for one in layout.space.house.walls]
+    return [layout.wall]
 
 
 def describe_sampling(loading):

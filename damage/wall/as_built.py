@@ -146,6 +146,19 @@ def describe_lintels(plan):
     return lines
 
 
+def replaced_lintels(wall, option):
+    """What the option `lintel` of a run replaces in a damage.Wall: a list of at most one line."""
+    built = wall.with_lintels(option)
+    replaced = [
+        f"opening {number} {wall.lintel_of(one).kind}"
+        for number, (one, other) in enumerate(zip(wall.openings, built.openings), start=1)
+        if wall.lintel_of(one) != built.lintel_of(other)
+    ]
+    if not replaced:
+        return []
+    return [f"--lintel {option} in place of the lintels of wall {wall.name}: {', '.join(replaced)}"]
+
+
 def caps(x, length, mass, thickness):
     """[{"left_m", "right_m", "mass_kg", "stress_pa"}] of caps by their centres [m], lengths [m] and
     masses [kg].

@@ -13,6 +13,7 @@ from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes, static_displacement
 from damage.run.banner import wall_lines
 from damage.units import GRAVITY
+from damage.wall.as_built import replaced_lintels
 from damage.wall.file import wall_from
 from damage.wall.kinds import ARCH_COURSE, CUT, HEAD, LINTEL_COURSE
 from damage.wall.layout import lay_out
@@ -202,6 +203,20 @@ class TestOptions:
         assert "concrete lintel at 0.8 m, x = 0.7 to 1.7 m: 0.1 x 0.15 m, modulus 30 GPa" in lines
         assert any(line.startswith("arch lintel at 0.6 m") for line in lines)
         assert "lintels of their own: no joint is elastic, all can fail" in lines
+
+    def test_a_run_tells_which_lintels_of_the_wall_an_option_replaces(self):
+        made = wall((DOOR, Opening(1.9, 0.3, 0.2, 0.4, "arch")))
+        for option, place in (("timber", "timber lintel at 0.8 m"), ("none", "lintel none")):
+            layout = lay_out(made, ModelOptions(lintel=option))
+            lines = wall_lines(
+                layout, parse_run([], "test", "reference").loading, natural_modes(layout), 1e-5
+            )
+            says = f"--lintel {option} in place of the lintels of wall w"
+            assert f"{says}: opening 1 concrete, opening 2 arch" in lines
+            assert any(line.startswith(place) for line in lines)
+            assert not any(line.startswith("lintels of their own") for line in lines)
+        assert replaced_lintels(made, "elastic") == []
+        assert replaced_lintels(wall((DOOR,), lintel="courses"), "none") == []
 
 
 TABLE = {

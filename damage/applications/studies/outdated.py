@@ -28,6 +28,7 @@ from damage.applications.studies.tables import histories_in
 from damage.errors import InputError, some_of
 from damage.files import write_text
 from damage.provenance import model_digest
+from damage.wall.as_built import replaced_lintels
 
 CODE = {"reference": Path(__file__).parents[2] / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies; an installed package is without YADE's."""
@@ -43,12 +44,14 @@ _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
 class Verdict:
     """inputs: {StudyRun: (key, its inputs as JSON)}; changed: {StudyRun of other inputs: how they
     differ, words}; models:
-    {name of a run: the other model that made it}; measures: names of runs of other measures."""
+    {name of a run: the other model that made it}; measures: names of runs of other measures;
+    lintels: what options replace of walls' lintels, {line: None}."""
 
     inputs: dict = field(default_factory=dict)
     changed: dict = field(default_factory=dict)
     models: dict = field(default_factory=dict)
     measures: list = field(default_factory=list)
+    lintels: dict = field(default_factory=dict)
 
 
 class Results:
@@ -76,6 +79,8 @@ class Results:
             there[point_of(name)].append(name)
         for run in runs:
             inputs, names = inputs_of(run, ROOT), there[run.id]
+            replaced = replaced_lintels(inputs.wall, inputs.settings.model.lintel)
+            verdict.lintels |= dict.fromkeys(replaced)
             content = as_json(inputs)
             verdict.inputs[run] = key_of(content), content
             differing = list(
@@ -195,7 +200,7 @@ class Results:
 
 def _warnings(verdict, remake):
     """What a Verdict has to say: a list of str."""
-    said = []
+    said = list(verdict.lintels)
     if verdict.changed:
         said.append(
             f"{len(verdict.changed)} points were made from other inputs and are made again: "

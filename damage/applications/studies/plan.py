@@ -6,7 +6,7 @@ from dataclasses import replace
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import KEPT, ROOT, command_of, way_on
 from damage.applications.studies.outdated import Results
-from damage.errors import InputError
+from damage.errors import InputError, warn
 
 
 def print_plan(study, folder, remake=False):
@@ -20,11 +20,14 @@ def print_plan(study, folder, remake=False):
     remake : bool
         Whether runs that another version made are made again.
     """
-    there = _there(study, folder, remake)
+    results = Results(folder)
+    verdict = results.judge(study.runs)
+    there = _there(results, verdict, remake)
     left = [run for run in study.runs if not there[run]]
     fewest = sum(run.members for run in left)
     most = sum(run.most_members for run in left)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
+    warn(*verdict.lintels)
     for run in study.runs:
         print(f"  {run.id:60s}  {_state(run, there[run])}")
     print(
@@ -61,13 +64,11 @@ def unfinished(folder):
     )
 
 
-def _there(study, folder, remake):
+def _there(results, verdict, remake):
     """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
-    results = Results(folder)
-    verdict = results.judge(study.runs)
     lost = {*verdict.models, *verdict.measures} if remake else set()
     there = {}
-    for run in study.runs:
+    for run in verdict.inputs:
         names = results.names_of(run)
         there[run] = [] if run in verdict.changed or lost.intersection(names) else names
     return there
