@@ -8,6 +8,7 @@ and the page of ranges.
 
 import math
 from dataclasses import MISSING, field, fields
+from numbers import Integral, Real
 from typing import NamedTuple
 
 from damage.checks import check_choice, check_not_negative, check_range, check_whole, is_finite
@@ -138,9 +139,10 @@ def check_fields(
     record, name=lambda record, one: one.metadata["called"] or f"{type(record).__name__}.{one.name}"
 ):
     """Raise InputError where a field of a record is not what it says; name: of a field in the
-    message."""
+    message.  Numbers of other kinds, as numpy's, become Python's, which files take."""
     for one in fields(record):
-        value = getattr(record, one.name)
+        value = _plain(getattr(record, one.name))
+        vars(record)[one.name] = value  # the record may be frozen
         if (
             one.metadata
             and not (value is None and one.default is None)
@@ -150,6 +152,15 @@ def check_fields(
                 _check(name(record, one), value, one.metadata)
             except InputError as error:
                 raise InputError(f"{error}{_meant(value, one.metadata['usual'])}") from None
+
+
+def _plain(value):
+    """A number, or each of a tuple, as Python's int or float; any other value as it is."""
+    if isinstance(value, tuple):
+        return tuple(map(_plain, value))
+    if not isinstance(value, Real) or isinstance(value, bool) or not is_finite(value):
+        return value
+    return int(value) if isinstance(value, Integral) else float(value)
 
 
 def _check(what, value, of):

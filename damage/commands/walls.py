@@ -117,8 +117,9 @@ def _draw(asked):
         wall = in_units(read_house(asked.wall), asked.units)
         if not asked.accept_implausible:
             check_plausible(wall)
-        warn(*warn_of_lone_walls(wall))
         figure = house_preview(lay_out_house(wall, model_of(asked)))
+        warn(*warn_of_lone_walls(wall))
+        warn(*(text for one in wall.walls for text in as_built.warn_of_apex(one.wall.joint)))
     else:
         wall = _plausible_wall(asked)
         layout = lay_out(wall, model_of(asked))
@@ -135,7 +136,11 @@ def _plausible_wall(asked):
     if not asked.accept_implausible:
         check_plausible(wall)
     plan = plan_of(wall)
-    warn(*as_built.warn_of_courses(plan), *as_built.warn_of_slabs(plan))
+    warn(
+        *as_built.warn_of_courses(plan),
+        *as_built.warn_of_slabs(plan),
+        *as_built.warn_of_apex(wall.joint),
+    )
     return wall
 
 

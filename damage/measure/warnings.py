@@ -6,7 +6,7 @@ from damage.errors import Warned
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import ENERGY_ERROR, balance_error
 from damage.measure.joints import ended_joints, with_bond
-from damage.wall.as_built import warn_of_courses, warn_of_slabs
+from damage.wall.as_built import warn_of_apex, warn_of_courses, warn_of_slabs
 from damage.wall.lintels import elastic_share, warn_of_share
 
 AT_REST = 1e-5
@@ -38,6 +38,7 @@ def warnings_of(history):
         "push_drag": warn_of_drag(history),
         "ended_joints": warn_of_ends(history),
         "splitting": warn_of_splitting(history),
+        "apex": warn_of_apex(history.plan.wall.joint),
         "courses": warn_of_courses(history.plan),
         "slabs": warn_of_slabs(history.plan),
     }

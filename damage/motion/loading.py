@@ -247,6 +247,7 @@ class Recorded(Loading):
     across: Record | None = None
 
     def __post_init__(self):
+        check_fields(self)
         for key in ("window_s", "band_hz"):
             pair = getattr(self, key)
             if pair is not None and len(pair) != 2:
@@ -437,6 +438,7 @@ class FreeVibration(Loading):
     top_velocity_m_s: float = 1e-3
 
     def __post_init__(self):
+        check_fields(self)
         check_positive("top velocity [m/s]", self.top_velocity_m_s)
 
     @property

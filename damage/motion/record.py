@@ -9,6 +9,7 @@ import numpy as np
 
 from damage.checks import check_positive, check_range
 from damage.errors import InputError
+from damage.fields import check_fields
 from damage.motion import samples
 
 TIME_STEPS_S = 1e-5, 1.0
@@ -64,6 +65,7 @@ class Record:
     late_s: float = 0.0
 
     def __post_init__(self):
+        check_fields(self)
         where = self.source or self.name or "record"
         check_range(f"{where}: time step [s]", self.time_step_s, *TIME_STEPS_S)
         acceleration = np.array(self.acceleration_m_s2, dtype=np.float64)

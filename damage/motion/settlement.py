@@ -10,7 +10,7 @@ from damage.checks import check_range
 from damage.csv_table import read_csv
 from damage.elementary import atan, sin, sin_of_turns
 from damage.errors import InputError, warn
-from damage.fields import Column
+from damage.fields import Column, check_fields
 from damage.motion.loading import mean_velocities
 from damage.motion.samples import linear
 from damage.rounded import DISPLACEMENT, to_bits, to_grid
@@ -58,6 +58,7 @@ class Settlement:
     uz_m: tuple[float, ...] = ()
 
     def __post_init__(self):
+        check_fields(self)
         if not self.x_m:
             if self.profile not in PROFILES:
                 raise InputError(

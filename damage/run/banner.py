@@ -148,8 +148,9 @@ def describe_joint(joint, scatter=0.0):
     >>> describe_joint(Joint())
     'joints: tensile strength 0.21 MPa, cohesion 0.24 MPa, friction angle 32 deg, brittle'
     """
+    never = " (never acts: beyond cohesion / tan(friction angle))" if joint.is_beyond_apex else ""
     parts = [
-        f"tensile strength {joint.tensile_strength / MEGA:.4g} MPa",
+        f"tensile strength {joint.tensile_strength / MEGA:.4g} MPa{never}",
         f"cohesion {joint.cohesion / MEGA:.4g} MPa",
     ]
     parts += [f"both scattered by {100 * scatter:.3g} %"] if scatter else []

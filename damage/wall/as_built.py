@@ -3,6 +3,7 @@ whole, its rigid top masses (caps) and the stress below them, its floors and lin
 
 from typing import NamedTuple
 
+from damage.elementary import tan
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE
 from damage.wall.restraints import top_of
@@ -109,6 +110,18 @@ def warn_of_slabs(plan):
         if min(slab.right, hole.right) - max(slab.left, hole.left) > _SAME
         and slab.first < hole.above
         and hole.first < slab.above
+    ]
+
+
+def warn_of_apex(joint):
+    """Warning of a damage.Joint whose tensile strength never acts: a list of at most one line."""
+    if not joint.is_beyond_apex:
+        return []
+    apex = joint.cohesion / tan(joint.friction_angle)
+    return [
+        f"the tensile strength of joints, {joint.tensile_strength / 1e6:.4g} MPa, never acts: bonds"
+        f" fail in shear at a tension of {apex / 1e6:.4g} MPa, cohesion / tan(friction angle); give"
+        " a lower one, or more cohesion"
     ]
 
 

@@ -241,6 +241,12 @@ class Joint:
         """Whether its bond has fracture energies."""
         return bool(self.mode_i_fracture_energy)
 
+    @property
+    def is_beyond_apex(self):
+        """Whether the tensile strength lies beyond cohesion / tan(friction angle), the tension at
+        which no shear strength is left: bonds fail there, in shear."""
+        return self.tensile_strength * tan(self.friction_angle) > self.cohesion
+
 
 ENERGIES = "mode_i_fracture_energy", "mode_ii_fracture_energy", "compressive_fracture_energy"
 
@@ -272,8 +278,8 @@ def _check_fracture_energies(joint):
             " expected both above zero, or neither for a brittle bond; give the other, about ten"
             " times in mode II"
         )
-    apex = joint.tensile_strength * tan(joint.friction_angle)
-    if given[0] > 0 and not (joint.tensile_strength > 0 and 0 < joint.cohesion >= apex):
+    bonded = joint.tensile_strength > 0 and joint.cohesion > 0
+    if given[0] > 0 and (joint.is_beyond_apex or not bonded):
         raise InputError(
             f"Joint with fracture energies, tensile strength {joint.tensile_strength:g} and"
             f" cohesion {joint.cohesion:g} Pa: expected both above zero, and no tension beyond"
@@ -544,7 +550,7 @@ def _points(what, given):
         ) from None
     for value in (number for point in found for number in point):
         check_range(what, value, -LONGEST_M, LONGEST_M)
-    return found
+    return tuple((float(x), float(z)) for x, z in found)
 
 
 def _check_count(wall):

@@ -5,7 +5,9 @@ import math
 import re
 from copy import copy
 from dataclasses import dataclass, fields, replace
+from fractions import Fraction
 
+import numpy as np
 import pytest
 from conftest import one_line_error, refused_with
 
@@ -14,7 +16,8 @@ from damage.applications.groningen.exposure.lives import Choices
 from damage.fields import check_fields, choice, implausible_fields, option_of, quantity
 from damage.house.house import Corner, Diaphragm, House, Placed
 from damage.house.ties import Ties
-from damage.motion.loading import Harmonic, TopDisplacement
+from damage.motion.loading import FreeVibration, Harmonic, Recorded, TopDisplacement
+from damage.motion.record import Record
 from damage.run.settings import RunSettings
 from damage.wall.file import wall_schema
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
@@ -60,6 +63,39 @@ class Beam:
 )
 def test_a_field_refuses_in_one_line(given, said):
     assert one_line_error(lambda: Beam(**given)).startswith(said)
+
+
+def _kinds_in(value):
+    """Types of all values in tables and lists."""
+    values = list(value.values()) if isinstance(value, dict) else value
+    if isinstance(values, (list, tuple)):
+        return {kind for one in values for kind in _kinds_in(one)}
+    return {type(value)}
+
+
+@pytest.mark.parametrize("number", [np.float32, np.int64, Fraction])
+def test_numbers_of_other_kinds_become_those_that_files_take(number):
+    zero, one, two, four = map(number, (0, 1, 2, 4))
+    wall = Wall(
+        "w",
+        four,
+        two,
+        [Opening(one, one, one, lintel=Lintel("timber", one))],
+        precompression=zero,
+        brick=Brick(two, one, one, density=two),
+        joint=Joint(two, one, one, tensile_strength=one),
+        outline=[(zero, one), (one, two), (four, one)],
+        floors=[Floor(one, one, left=zero, right=one)],
+    )
+    motions = (
+        Harmonic(one, one),
+        FreeVibration(one),
+        TopDisplacement((one, two), floor_shares=((two, one),)),
+        Recorded(Record("r", one, [0.0, 1.0, 0.0]), scale=two, window_s=(zero, two)),
+    )
+    for record in (wall, *motions):
+        assert _kinds_in(record.as_dict()) <= {int, float, str, bool, type(None)}
+    assert wall.joint.normal_stiffness == 2 and wall.outline[1] == (1, 2)
 
 
 def test_words_and_a_default_of_none_stand_in_place_of_numbers():

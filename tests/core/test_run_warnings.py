@@ -13,6 +13,7 @@ from damage import Brick, Joint, RunWarning, Wall, read_history, warnings_of
 from damage.measure.energy import energy_error_of
 from damage.measure.warnings import push_drag, static_warnings
 from damage.reference.session import run_reference
+from damage.run.banner import describe_joint
 from damage.wall.restraints import Restraint
 
 DRY = Wall(
@@ -85,6 +86,24 @@ def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
     assert end_fast["damping_energy_j"] - end_slow["damping_energy_j"] == pytest.approx(
         more_j, rel=0.02
     )
+
+
+@pytest.mark.filterwarnings("ignore::damage.RunWarning")
+def test_a_tensile_strength_beyond_the_apex_never_acts_and_is_named():
+    """A pulled column fails in shear at 0.1 / 0.75 MPa, whatever strength is given beyond it."""
+    runs = []
+    for strength in (0.13e6, 0.2e6, 0.3e6):
+        joint = damage.Joint(
+            tensile_strength=strength, cohesion=0.1e6, friction_angle=math.atan(0.75)
+        )
+        wall = damage.Wall("pull", 0.42, 0.15, precompression=0, joint=joint)
+        runs.append(damage.run(wall, pushover=0.02))
+    peaks = [one.series["top_force_n"].abs().max() for one in runs]
+    assert peaks[1] == peaks[2]
+    assert ["apex" in codes_of(one) for one in runs] == [False, True, True]
+    assert "0.3 MPa (never acts: beyond" in describe_joint(joint)
+    (text,) = (one for one in damage.warnings_of(runs[2]) if one.code == "apex")
+    assert "0.3 MPa, never acts: bonds fail in shear at a tension of 0.1333 MPa" in text
 
 
 def test_the_command_line_warns_alike(tmp_path, capsys):
