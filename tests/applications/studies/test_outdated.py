@@ -296,11 +296,8 @@ class TestPlan:
 
     def test_the_dry_run_says_which_lintels_an_option_replaces(self, tmp_path, capsys):
         there = Folder(tmp_path, 'harmonic = [0.2, 0.1], lintel = "none"')
-        opening = "damage.Opening(0.6, 0.6, 0.45)"
-        there.write(
-            "w.py",
-            f"import damage\n\n\ndef wall():\n    return damage.Wall('door', 1.8, 0.75, [{opening}])\n",
-        )
+        door = "'door', 1.8, 0.75, [damage.Opening(0.6, 0.6, 0.45)]"
+        there.write("w.py", f"import damage\n\n\ndef wall():\n    return damage.Wall({door})\n")
         print_plan(there.load(), there.out)
         said = "--lintel none in place of the lintels of wall door: opening 1 concrete"
         assert capsys.readouterr().err.count(said) == 1
