@@ -126,19 +126,27 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=np.nan):
     Xml.SubElement(model, "description").text = _description(wall, fits, name, kind)
     Xml.SubElement(model, "limitStates").text = " ".join(map(limit_state, curves))
     function = Xml.SubElement(model, "fragilityFunction", id=wall, format=kind)
-    (_continuous if kind == "continuous" else _discrete)(function, curves, name, factor)
+    x = levels(curves)
+    # Without a limit OpenQuake takes, of every smaller event, the probability at `minIML` in a
+    # continuous model, and a straight line to zero in a discrete one.
+    imls = Xml.SubElement(function, "imls", imt=name, noDamageLimit=_text(factor * x[0]))
+    if kind == "continuous":
+        imls.set("minIML", imls.get("noDamageLimit"))
+        imls.set("maxIML", _text(factor * x[-1]))
+        _continuous(function, curves, factor)
+    else:
+        imls.text = " ".join(map(_text, factor * x))
+        _discrete(function, curves, x)
     Xml.indent(root)
     with whole_or_nothing(path) as unfinished:
         Xml.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)
     return Path(path)
 
 
-def _continuous(function, curves, name, factor):
+def _continuous(function, curves, factor):
     """Mean and standard deviation of the intensity itself, as OpenQuake wants them, not of its
     logarithm."""
-    x = factor * levels(curves)
     function.set("shape", "logncdf")
-    Xml.SubElement(function, "imls", imt=name, minIML=_text(x[0]), maxIML=_text(x[-1]))
     for fit in curves:
         mean = factor * fit.median * np.exp(fit.dispersion**2 / 2)
         Xml.SubElement(
@@ -150,9 +158,7 @@ def _continuous(function, curves, name, factor):
         )
 
 
-def _discrete(function, curves, name, factor):
-    x = levels(curves)
-    Xml.SubElement(function, "imls", imt=name).text = " ".join(map(_text, factor * x))
+def _discrete(function, curves, x):
     for fit in curves:
         Xml.SubElement(function, "poes", ls=limit_state(fit)).text = " ".join(
             map(_text, probability(fit, x))

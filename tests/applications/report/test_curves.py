@@ -71,6 +71,15 @@ def test_a_discrete_model_interpolates_to_the_curves(tmp_path):
         assert_allclose(np.interp(between, x, poes), one.probability(between), atol=5e-3)
 
 
+@pytest.mark.parametrize("kind", ["continuous", "discrete"])
+def test_below_the_first_level_there_is_no_damage(tmp_path, kind):
+    """Without the limit 10 000 events of 0.001 g did as much damage as 10 000 of 0.04 g."""
+    imls = written(tmp_path, kind)[1][2][0]
+    first = imls.get("minIML") or imls.text.split()[0]
+    # four dispersions of 0.5 below 0.3 g
+    assert imls.get("noDamageLimit") == first == "0.040600585"
+
+
 def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     _, model = written(tmp_path, "discrete", (MILD, STEP))
     x, poes = (np.array(model[2][k].text.split(), float) for k in (0, 2))
@@ -130,12 +139,16 @@ def test_openquake_works_out_the_same_probabilities(openquake_python, tmp_path, 
     x = (
         np.array(levels.text.split(), float)[1:]
         if kind == "discrete"
-        else np.geomspace(float(levels.get("minIML")), float(levels.get("maxIML")), 50)
+        else np.geomspace(float(levels.get("minIML")), float(levels.get("maxIML")), 50)[1:]
     )
+    below = float(levels.get("noDamageLimit")) * np.array([0.001, 0.5, 0.999])
+    x = np.concatenate([below, x])
     found = json.loads(
         run_in(openquake_python, "read_nrml.py", path, ",".join(map(repr, map(float, x))))
     )
     assert (found["imt"], found["id"]) == (levels.get("imt"), "solid")
     for fit in fits:
+        probabilities = np.array(found["states"][limit_state(fit)])
+        assert not probabilities[:3].any()
         # Nine digits are written of a discrete curve.
-        assert_allclose(found["states"][limit_state(fit)], fit.probability(x / factor), atol=1e-8)
+        assert_allclose(probabilities[3:], fit.probability(x[3:] / factor), atol=1e-8)
