@@ -5,6 +5,10 @@ CSV bounds its median, the discrete NRML (probabilities at levels of intensity) 
 line between the bounds, and the continuous NRML (mean and standard deviation of a lognormal
 distribution, `logncdf`) leaves it out.
 
+The curves of one NRML model have a dispersion in common (`with_one_dispersion`), since OpenQuake
+takes the difference of two of them, which is negative beyond a crossing.  Beside another curve of
+the measure a step takes that dispersion, too.
+
 The NRML is that of the OpenQuake engine, `openquake/risklib/read_nrml.py` and the manual's chapter
 on fragility models: https://docs.openquake.org/oq-engine/master/manual/
 """
@@ -17,6 +21,7 @@ import numpy as np
 import pandas as pd
 
 from damage.applications.studies.columns import CURVE, ENDS
+from damage.applications.studies.ordered import with_one_dispersion
 from damage.applications.studies.states import unit_of
 from damage.files import whole_or_nothing
 from damage.history.schema import Column
@@ -54,6 +59,11 @@ COLUMNS = {
 COLUMNS["dispersion"] = Column(
     "1", "standard deviation of the intensity's logarithm, empty of a step"
 )
+COLUMNS["common_median"] = Column(
+    "as `intensity_unit` says",
+    "median of the curve in NRML, which has one dispersion for the levels of a measure",
+)
+COLUMNS["common_dispersion"] = Column("1", "that dispersion")
 """Columns of the table of `coefficients`."""
 _TYPES = {
     "record_pga_g": ("PGA", 1),
@@ -181,6 +191,8 @@ def _description(wall, fits, name, kind):
         f" in {one.n_records} records; masonry-damage."
     ]
     lines += [f"No curve for {', '.join(without)}."] if without else []
+    if len(fits) > len(without) + 1 and len({fit.dispersion for fit in fitted(fits)}) == 1:
+        lines.append("One dispersion for all levels, so that curves do not cross (ordinal probit).")
     lines += (
         [
             f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
@@ -206,6 +218,7 @@ def write_curves(fits, folder, eigen_period_s):
     """
     folder, paths = Path(folder), []
     for wall, ones in fits.items():
+        ones = with_one_dispersion(ones)
         for measure in dict.fromkeys(one.measure for one in ones):
             same = [one for one in ones if one.measure == measure]
             stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
@@ -225,7 +238,8 @@ def left_out(fits):
     lines = [
         f"{wall}, {one.state}: a step, no lognormal curve: no run exceeds it up to"
         f" {one.step[0]:.3g} {unit_of(one.intensity)[1]}, all do from {one.step[1]:.3g} on;"
-        " exported as these bounds of the median"
+        " exported as these bounds of the median; beside another level of its measure NRML has it"
+        " with their common dispersion"
         for wall, ones in fits.items()
         for one in ones
         if one.step
@@ -273,12 +287,14 @@ def coefficients(fits):
                         one.new_record.median_bounds() if one.new_record else (np.nan, np.nan),
                     )
                 ),
+                "common_median": np.nan if joined.step else joined.median,
+                "common_dispersion": np.nan if joined.step else joined.dispersion,
                 "undetermined": one.why,
                 "runs": one.n_runs,
                 "exceeding": one.n_exceeding,
                 "records": one.n_records,
             }
             for wall, ones in fits.items()
-            for one in ones
+            for one, joined in zip(ones, with_one_dispersion(ones))
         ]
     )

@@ -9,7 +9,7 @@ import pytest
 from environments import environment, run_in
 from numpy.testing import assert_allclose
 from scipy.stats import lognorm
-from test_fragility import made, walls
+from test_fragility import GRADES, MODERATE, SLIGHT, graded, made, walls
 
 from damage.applications.report.curves import (
     NAMESPACE,
@@ -101,6 +101,23 @@ def test_coefficients_are_those_of_the_curves():
     x = np.array([0.1, 0.2])
     (fit,) = (one for one in fits["w"] if (one.measure, one.level) == ("max_DI", 0.05))
     assert_allclose(lognorm.cdf(x, row["dispersion"], scale=row["median"]), fit.probability(x))
+
+
+def test_curves_of_one_model_do_not_cross(tmp_path):
+    """OpenQuake takes the difference of two states: it was negative from 0.75 g on."""
+    fits = fit_all(graded(SLIGHT, MODERATE), "pga_g", 0, GRADES)
+    paths = {path.name: path for path in write_curves(fits, tmp_path, {})}
+    stem = "fragility_w_max_psi_pga_g"
+    model = ElementTree.parse(paths[f"{stem}_discrete.xml"]).getroot()[0]
+    slight, moderate = (np.array(node.text.split(), float) for node in model[2][1:])
+    assert (slight >= moderate).all() and "One dispersion" in model[0].text
+    model = ElementTree.parse(paths[f"{stem}_continuous.xml"]).getroot()[0]
+    variations = [float(node.get("stddev")) / float(node.get("mean")) for node in model[2][1:]]
+    assert_allclose(variations, np.sqrt(np.expm1(0.72109038**2)), rtol=1e-5)
+    table = pd.read_csv(paths["fragility_coefficients.csv"])
+    assert_allclose(table["common_median"], [0.34013799, 0.48378855], rtol=1e-5)
+    assert_allclose(table["common_dispersion"], 0.72109038, rtol=1e-5)
+    assert table["dispersion"].between(0.4, 0.9).all() and table["dispersion"].nunique() == 2
 
 
 def test_the_command_exports_and_names_a_missing_period(tmp_path, output_of, error_of):

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
+from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 from scipy.stats import binom
 from scipy.stats import t as student
@@ -22,6 +23,7 @@ from damage.applications.studies.fragility import (
 )
 from damage.applications.studies.fragility_picture import fragility_pictures
 from damage.applications.studies.new_record import new_record
+from damage.applications.studies.ordered import with_one_dispersion
 from damage.applications.studies.states import (
     LEVELS,
     State,
@@ -424,6 +426,63 @@ def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
         ".pdf",
     }
     error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
+
+
+SLIGHT, MODERATE = [4, 10, 17, 23, 27, 30, 32, 33], [0, 1, 5, 13, 21, 27, 31, 33]
+
+
+def graded(slight, moderate, n_walls=40):
+    """320 runs, of which so many of 40 are slightly, and moderately, damaged at 0.1 to 0.8 g."""
+    psi = [
+        np.repeat([3.0, 1.5, 0.0], [graver, milder - graver, n_walls - milder])
+        for milder, graver in zip(slight, moderate)
+    ]
+    return walls(n_walls, seed=1).sort_values("pga_g", kind="stable").assign(
+        pga_g=np.repeat(np.arange(1, 9) / 10, n_walls), max_psi=np.concatenate(psi)
+    )
+
+
+GRADES = State("max_psi", 1.0, "slight"), State("max_psi", 2.0, "moderate")
+
+
+class TestStatesOfOneMeasure:
+    def test_a_crossing_is_named_with_its_intensity(self):
+        """That at which both curves have the same probability."""
+        fits = fit_all(graded(SLIGHT, MODERATE), "pga_g", 0, GRADES)["w"]
+        slight, moderate = fits
+        crossing = brentq(lambda x: slight.probability(x) - moderate.probability(x), 0.6, 0.8)
+        printed = in_words({"w": fits})
+        assert f"moderate is likelier than slight, which it implies, from {crossing:.2f} g" in printed
+        assert "it is 0.72, and the medians are 0.340 (slight) and 0.484" in printed
+        apart = fit_all(graded(SLIGHT, np.array(SLIGHT) // 2), "pga_g", 0, GRADES)
+        assert "likelier" not in in_words(apart)
+
+    def test_one_dispersion_is_the_ordinal_probit_of_statsmodels(self):
+        """Of version 0.15.0, grades 0, 1, 2 over ln x:
+
+        model = OrderedModel(pd.Series(pd.Categorical(grade, ordered=True)), log_x, distr="probit")
+        found = model.fit(method="bfgs", gtol=1e-10, maxiter=1000)
+        slope = found.params.iloc[0]
+        thresholds = model.transform_threshold_params(found.params.values)[1:-1]
+        print(np.exp(thresholds / slope), 1 / slope)
+        """
+        fits = fit_all(graded(SLIGHT, MODERATE), "pga_g", 0, GRADES)["w"]
+        common = with_one_dispersion(fits)
+        assert_allclose([fit.median for fit in common], [0.34013799, 0.48378855], rtol=1e-5)
+        assert_allclose([fit.dispersion for fit in common], 0.72109038, rtol=1e-5)
+
+    def test_a_step_takes_the_dispersion_of_another_state(self):
+        """Beside a step the wider curve of a graver state crosses it: all runs are slightly
+        damaged from 0.2 g on."""
+        fits = fit_all(graded([0, *[40] * 7], MODERATE), "pga_g", 0, GRADES)["w"]
+        assert fits[0].step == (0.1, 0.2) and fits[1].step is None
+        slight, moderate = with_one_dispersion(fits)
+        assert slight.step is None and slight.dispersion == moderate.dispersion > 0.1
+        assert 0.1 < slight.median < 0.2 < moderate.median
+
+    def test_a_state_without_a_curve_and_a_single_curve_stay(self):
+        fits = fit_all(graded(SLIGHT, np.zeros(8, int)), "pga_g", 0, GRADES)["w"]
+        assert with_one_dispersion(fits) == fits and fits[1].why
 
 
 def test_two_walls_that_interpolate_a_record_differently_share_its_intensities():
