@@ -107,11 +107,19 @@ AT = _STATE | {
         f"mean_{end}": Column("1", f"{words} bound of it, strengths and records drawn anew")
         for end, words in ENDS
     },
-    "new_record": Column("1", "probability in a new record, averaged over what it may be"),
     **{
-        f"new_record_{end}": Column("1", f"{words} bound of a new record's own probability")
-        for end, words in ENDS
+        f"new_record_{end}": Column("1", f"{words} of a new record's own probability")
+        for end, words in (
+            ("low", "lower bound"),
+            ("median", "median"),
+            ("high", "upper bound"),
+        )
     },
+    "new_record": Column(
+        "1",
+        "probability in a new record, averaged over what it may be: the mean, which may lie outside "
+        "these bounds",
+    ),
     "undetermined": CURVE["undetermined"],
 }
 TABLES = {

@@ -50,6 +50,9 @@ from damage.wall.model_options import USUAL_MODEL
 FEW_RECORDS = 10
 """Fewer are said to be few: 10 to 20 usually serve, D. Vamvatsikos, C. A. Cornell (2002),
 doi:10.1002/eqe.141."""
+WIDE = 10
+"""Ratio of the bounds of a new record's median that is said to be large: of a known scatter of the
+records it would be exp(2 * 1.645 * 0.7), and they scatter by 0.3 to 0.6."""
 LEAST_INTENSITIES = 3
 """Through fewer a lognormal curve, of two parameters, passes whatever the wall does."""
 _ALIKE = "solver", "settlement", "distortion", "shocks", "alpha_1_s", "beta_s", *USUAL_MODEL
@@ -169,6 +172,20 @@ class Fragility:
         """Lines on what the runs, or bootstrap samples, do not determine."""
         if self.why:
             return [f"{self.state}: no curve, {self.why}"]
+        return [*self._wide(), *self._open()]
+
+    def _wide(self):
+        """A line where the records hardly bound the median of another."""
+        low, high = self.new_record.median_bounds() if self.new_record else (1.0, 1.0)
+        if high / low <= WIDE:
+            return []
+        return [
+            f"{self.state}: a new record's median is known within a factor of {high / low:.0f} only:"
+            f" these {self.n_records} records tell nothing of another; run more"
+        ]
+
+    def _open(self):
+        """A line where too many bootstrap samples determine no curve."""
         if len(self.samples) < 2 or np.isfinite(self.median_bounds()).all():
             return []
         lost = self.n_replicates - self._determined()
@@ -536,8 +553,17 @@ def in_words(fits):
                 f" {_span(mean):>16} {_span(new):>16}"
             )
             notes += one.notes()
+        notes += filter(None, [few_note(one.n_records)])
         notes += crossings(ones)
     return "\n".join(lines + notes)
+
+
+def few_note(n_records):
+    """A line where the records are too few to bound what others would do, else ""."""
+    if n_records >= FEW_RECORDS:
+        return ""
+    are = "record is" if n_records == 1 else "records are"
+    return f"{n_records} {are} few: the intervals are rough"
 
 
 def _span(bounds):
@@ -548,14 +574,16 @@ def _span(bounds):
 
 def at_intensities(fits, values):
     """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the
-    probability of exceeding by the curve, the interval of the mean curve, and that of a new
-    record's own probability."""
+    probability of exceeding by the curve, the interval of the mean curve, that of a new record's
+    own probability with its median, and the mean of the latter."""
     rows, unknown = [], (np.nan, np.nan)
     for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
         mean, new = one.bounds(values), one.new_record
         for place, value in enumerate(values):
             low, high = unknown if mean is None else mean[:, place]
-            new_low, new_high = new.bounds([value])[:, 0] if new else unknown
+            new_low, new_median, new_high = (
+                new.percentiles([value])[:, 0] if new else (np.nan, *unknown)
+            )
             rows.append(
                 {
                     "wall": wall,
@@ -568,9 +596,10 @@ def at_intensities(fits, values):
                     "probability": one.probability(value),
                     "mean_low": low,
                     "mean_high": high,
-                    "new_record": new.probability([value])[0] if new else np.nan,
                     "new_record_low": new_low,
+                    "new_record_median": new_median,
                     "new_record_high": new_high,
+                    "new_record": new.probability([value])[0] if new else np.nan,
                     "undetermined": one.why,
                 }
             )

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from damage.applications.studies.fragility import FEW_RECORDS, exceeding
+from damage.applications.studies.fragility import exceeding, few_note
 from damage.applications.studies.new_record import CONFIDENCE
 from damage.applications.studies.states import (
     LEVELS,
@@ -103,19 +103,6 @@ def records_named(records):
         f"{len(records)} records"
         if len(records) > MOST_NAMED
         else "; ".join(map(record_label, records))
-    )
-
-
-def few_note(n_records):
-    """A line of the heading where the records are too few to bound what others would do, else
-    ""."""
-    return (
-        ""
-        if n_records >= FEW_RECORDS
-        else (
-            f"{n_records} {'records are' if n_records != 1 else 'record is'} few: the intervals are"
-            " rough"
-        )
     )
 
 

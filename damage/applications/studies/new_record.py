@@ -55,14 +55,21 @@ class NewRecord:
         return np.exp(np.interp(TAILS, share, np.log(self.medians) + _STEP / 2))
 
     def probability(self, intensity):
-        """P(exceeded) at intensities (n,) in a record of which nothing is known."""
+        """P(exceeded) at intensities (n,) in a record of which nothing is known: the mean of its
+        own probability, which may lie outside the `bounds` of that, where few records do most."""
         curves, weights = self.curves(intensity)
         return curves @ weights
 
+    def percentiles(self, intensity):
+        """Lower bound, median and upper bound (3, n) of the new record's own probability at
+        intensities (n,)."""
+        curves, weights = self.curves(intensity)
+        low, high = TAILS
+        return np.array([_percentiles(one, weights, (low, 0.5, high)) for one in curves]).T
+
     def bounds(self, intensity):
         """Lower and upper bound (2, n) of the new record's own probability at intensities (n,)."""
-        curves, weights = self.curves(intensity)
-        return np.array([_percentiles(one, weights, TAILS) for one in curves]).T
+        return self.percentiles(intensity)[::2]
 
     def curves(self, intensity):
         """Probabilities (n, k) of all curves that count at intensities (n,), and their weights

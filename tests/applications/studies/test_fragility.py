@@ -13,6 +13,7 @@ from scipy.stats import t as student
 
 from damage.applications.studies.fragility import (
     Fragility,
+    at_intensities,
     curve,
     fit_all,
     fragility,
@@ -325,6 +326,30 @@ class TestNewRecord:
                 held[name].append(np.diff(ndtr(z))[0])
         assert 0.85 < np.mean(held["new record"]) < 0.95
         assert np.mean(held["mean"]) < 0.75
+
+
+    def test_the_median_of_its_own_probability_lies_in_the_interval_the_mean_need_not(self):
+        """The mean was printed beside the interval: 0.032, and 0.000 to 0.003."""
+        fits = {"w": [fragility(recorded(4, 0.6, 0, 4), "max_DI", 0.1, "pga_g", 0)]}
+        table = at_intensities(fits, np.geomspace(0.02, 0.8, 12))
+        inside = table["new_record_median"].between(
+            table["new_record_low"], table["new_record_high"]
+        )
+        outside = ~table["new_record"].between(table["new_record_low"], table["new_record_high"])
+        assert inside.all() and outside.any()
+
+    def test_few_records_and_a_wide_interval_are_named(self):
+        def printed(runs):
+            return in_words({"w": [fragility(runs, "max_DI", 0.1, "pga_g", replicates=0)]})
+
+        scattered = recorded(5, 0.6, 3, 4)
+        bounds = fragility(scattered, "max_DI", 0.1, "pga_g", 0).new_record.median_bounds()
+        factor = bounds[1] / bounds[0]
+        assert factor > 10
+        assert f"within a factor of {factor:.0f} only: these 5 records tell" in printed(scattered)
+        assert "5 records are few: the intervals are rough" in printed(scattered)
+        alike = printed(recorded(12, 0.1, 6, 4))
+        assert "factor" not in alike and "few" not in alike
 
 
 class TestOwnStates:
