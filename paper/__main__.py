@@ -29,7 +29,6 @@ PROGRAMS = (
     "laboratory",
     "repeated_loading",
     "results_figures",
-    "shaken_wall",
     "softening",
     "shear_walls",
     "split_and_crush",

@@ -5,8 +5,7 @@
 Pushes by the guide *tested wall*, 19 draws of what its user does not know (`--inputs tested`, with
 --strength-cov 0.35), and as many of the strengths alone: COMP2_4, whose twin is COMP2_5, SW and LW
 of FOLDER (inputs.csv, results_sw_lw.csv).  The least and the largest of 19 draws hold a twentieth
-in 90 of 100 cases.  About 20 minutes on one core by draws of all inputs.  The shaken wall's:
-`python3 -m paper shaken_wall FOLDER coverage`.
+in 90 of 100 cases.  About 20 minutes on one core by draws of all inputs.
 """
 
 from itertools import product
