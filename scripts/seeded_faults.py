@@ -105,8 +105,8 @@ FAULTS = [
                 "law",
                 "slip softens by the tensile fracture energy",
                 "damage/law/joint_law.py",
-                "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy",
-                "rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_i_energy",
+                "rate_ii = AREA * parameters.cohesion / parameters.mode_ii_energy",
+                "rate_ii = AREA * parameters.cohesion / parameters.mode_i_energy",
                 "test_softening",
             ),
             (

@@ -51,6 +51,8 @@ INTACT, TENSION, SHEAR = 0, 1, 2
 """Results of `advance`: no failure in the step, failure of the bond in tension, or in shear."""
 GONE = 0.01
 """Remaining share of its strengths [-] at which a softening bond fails."""
+AREA = 1.0 - GONE
+"""Integral of `share_left` over kappa until a softening bond fails [-]."""
 
 
 class Material(NamedTuple):
@@ -161,8 +163,17 @@ def strength_left(broken, parameters, kappa=0.0):
         return 0.0, 0.0
     if kappa == 0.0:
         return parameters.tensile_strength, parameters.cohesion
-    share = exp(-kappa)
+    share = share_left(kappa, parameters.material)
     return parameters.tensile_strength * share, parameters.cohesion * share
+
+
+@register_jitable
+def share_left(kappa, material):
+    """Share of its strengths [-] that is left of a softening bond at kappa [-], (S1), (S2).
+
+    It falls from 1 at zero; its integral until the bond fails is AREA.
+    """
+    return exp(-kappa)
 
 
 @register_jitable
@@ -364,10 +375,10 @@ def soften(opening, trial, state, parameters):
     all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may jump.
     """
     kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
-    rate_i = (1.0 - GONE) * parameters.tensile_strength / parameters.mode_i_energy
-    rate_ii = (1.0 - GONE) * parameters.cohesion / parameters.mode_ii_energy
+    rate_i = AREA * parameters.tensile_strength / parameters.mode_i_energy
+    rate_ii = AREA * parameters.cohesion / parameters.mode_ii_energy
     kappa, step = state.kappa, 0.0
-    share = old_share = exp(-kappa)
+    share = old_share = share_left(kappa, parameters.material)
     for _ in range(200):
         sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
         grown = state.kappa + rate_i * (gap - state.gap) + rate_ii * (abs(trial) - tau) / ks
@@ -378,7 +389,7 @@ def soften(opening, trial, state, parameters):
         if 0.0 < step < 0.5 * before:
             kappa += step * step / (before - step)
             step = 0.0
-        share = exp(-kappa)
+        share = share_left(kappa, parameters.material)
 
     event = INTACT
     if share <= GONE:

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, parsed, wall_file
 from pytest import approx
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from damage import Joint, ModelOptions, Wall, load_wall, read_history
 from damage.law.joint_law import (
+    AREA,
     GONE,
     INTACT,
     SHEAR,
@@ -19,6 +22,7 @@ from damage.law.joint_law import (
     Material,
     advance,
     elastic_energy,
+    share_left,
     strength_left,
 )
 from damage.measure.summary import summarise
@@ -62,9 +66,9 @@ class TestLaw:
     def test_a_softening_joint_follows_its_envelope_and_unloads_to_the_origin(self):
         opening = 2e-5
         (here,), events, _ = follow([(opening, 0.0)])
-        # (S1) with (S3): sigma = f_t exp(-(1 - GONE) f_t w / G_I), w = u - sigma / k_n.
+        # (S1) with (S3): sigma = f_t exp(-AREA f_t w / G_I), w = u - sigma / k_n.
         gap = opening - here.normal_stress / KN
-        assert here.normal_stress == approx(FT * math.exp(-(1 - GONE) * FT * gap / G1), rel=1e-9)
+        assert here.normal_stress == approx(FT * math.exp(-AREA * FT * gap / G1), rel=1e-9)
         assert here.gap == approx(gap) and not here.broken and events == [INTACT]
         back, _ = advance(opening / 2, 0.0, here, LAW)
         assert back.normal_stress == approx(here.normal_stress / 2) and back.kappa == here.kappa
@@ -106,8 +110,14 @@ class TestLaw:
                 continue
             trial = old.shear_stress + KS * 0.2 * shear
             grown = FT * (new.gap - old.gap) / energy + C * (trial - new.shear_stress) / KS / G2
-            assert new.kappa - old.kappa == approx((1 - GONE) * grown, rel=1e-9, abs=1e-12)
+            assert new.kappa - old.kappa == approx(AREA * grown, rel=1e-9, abs=1e-12)
             assert new.normal_stress <= FT * math.exp(-new.kappa) * (1 + 1e-12)
+
+    def test_its_curve_has_the_area_that_makes_it_take_its_fracture_energies(self):
+        left = [share_left(kappa, LAW.material) for kappa in (0.0, 100.0)]
+        assert left[0] == 1.0 and left[1] < GONE
+        until = brentq(lambda kappa: share_left(kappa, LAW.material) - GONE, 0.0, 100.0, xtol=1e-12)
+        assert quad(share_left, 0.0, until, (LAW.material,))[0] == approx(AREA, rel=1e-9)
 
     def test_the_bond_goes_at_its_last_hundredth_and_says_how(self):
         states, events, _ = follow([(k * 1e-7, 0.0) for k in range(3000)])
