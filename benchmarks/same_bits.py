@@ -79,18 +79,20 @@ ARRAYS = (
 )
 """Fields of a History."""
 ORIGIN = "commit", "model_digest", "measures_digest"
-IN_YADE = ("harmonic", "pushover", "sequence")
+BOTH = "harmonic", "pushover", "sequence", "restrained", "crushed", "spread"
+IN_YADE = {name: bits.CASES[name] for name in BOTH} | {
+    "house": bits.Case("houses/box.toml", "--harmonic 0.1 0.4 --cycles 1 --rest 0.1"),
+    "softened": bits.Case("walls/variants/small_softening.py", "--harmonic 0.1 0.4 --cycles 1"),
+}
+"""{name: Case}; houses run in YADE alone."""
 
 
 def run(folder, yade):
-    """Simulate the published cases into `folder`: by the reference solver, or IN_YADE by YADE on a
+    """Simulate the published cases into `folder` by the reference solver, or IN_YADE by YADE on a
     thread."""
     solver = [ROOT / "yade", "-n", "-j1"] if yade else [sys.executable, "-m", "damage", "reference"]
-    for name in IN_YADE if yade else bits.CASES:
-        case, out = (
-            bits.CASES[name],
-            folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5",
-        )
+    for name, case in (IN_YADE if yade else bits.CASES).items():
+        out = folder.resolve() / f"{name}_{'yade' if yade else 'reference'}.h5"
         members = ["--members", str(bits.MEMBERS)] if case.members else []
         subprocess.run(
             [

@@ -41,7 +41,7 @@ class Case(NamedTuple):
 
 SYMMETRIC, SMALL, HOUSE = "walls/symmetric.py", "walls/variants/small.py", "walls/terrace_end.toml"
 SOFT, CLAY = "walls/variants/symmetric_softening.py", "walls/variants/comp2_4_split_and_crush.py"
-STRIP = "damage/data/bits/strip.toml"
+STRIP, CRUSHING = "damage/data/bits/strip.toml", "damage/data/bits/crushing.toml"
 RECORD, SHAKEN = "--record BGAR_HGE", "--harmonic 0.06 0.6 --rest 0.2"
 CASES = {
     "harmonic": Case(SYMMETRIC, "--harmonic 0.2 0.05 --rest 0.2"),
@@ -67,6 +67,8 @@ CASES = {
         SMALL, "--bricks deformable --contacts gauss --harmonic 0.06 0.8 --rest 0.1"
     ),
     "restrained": Case(STRIP, "--harmonic 0.06 0.6 --rest 0.1"),
+    "crushed": Case(CRUSHING, "--pushover 0.1"),
+    "spread": Case(CRUSHING, "--pushover 0.05 --floor-share 0.525 0.4 --floor-share 0.6 0.6"),
     "scaled": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.2"),
     "softening": Case(SOFT, "--harmonic 0.2 0.05 --rest 0.1 --mass-scaling none", is_long=True),
     "crushing": Case(CLAY, "--pushover 0.05", is_long=True),
