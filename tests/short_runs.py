@@ -7,8 +7,9 @@ house.
 
 from dataclasses import replace
 
-from damage import Brick, Floor, Joint, Wall
 from damage.law.modes import natural_modes
+
+from damage import Brick, Floor, Joint, Wall
 from damage.reference.solver import ReferenceSolver
 from walls.variants.small import wall
 

@@ -10,6 +10,7 @@ from damage.files import json_text
 from damage.house.coarser import in_units
 from damage.house.house import is_house, read_house
 from damage.house.layout import lay_out_house
+from damage.house.meeting import warn_of_lone_walls
 from damage.house.plausible import check_plausible
 from damage.linear.modes import natural_modes
 from damage.motion import intensity
@@ -29,7 +30,6 @@ from damage.wall import as_built, materials
 from damage.wall.file import load_wall, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
-from damage.wall.meeting import warn_of_lone_walls
 from damage.wall.plan import plan_of
 
 

@@ -17,6 +17,7 @@ from damage.errors import InputError
 from damage.fields import MOST_SEED
 from damage.house.corners import joined_at, makes_room_for, with_loads
 from damage.house.house import outline
+from damage.house.meeting import check_plan
 from damage.house.space import (
     SHARES,
     THROUGH,
@@ -33,7 +34,6 @@ from damage.rounded import to_bits
 from damage.wall.floors import Floor
 from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
 from damage.wall.layout import Cells, Supports, lay_out
-from damage.wall.meeting import check_plan
 from damage.wall.model_options import ModelOptions
 
 GAP_M = 0.5

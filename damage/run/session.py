@@ -20,6 +20,7 @@ from damage.house.coarser import in_units
 from damage.house.drawn import drawn, ranges
 from damage.house.house import House, masonry_of
 from damage.house.layout import lay_out_house
+from damage.house.meeting import warn_of_lone_walls
 from damage.linear.modes import Modes, natural_modes
 from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, outside
@@ -42,7 +43,6 @@ from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
 from damage.wall.layout import Layout, lay_out
-from damage.wall.meeting import warn_of_lone_walls
 from damage.wall.soil import fastest_decay
 
 

@@ -12,7 +12,6 @@ from short_runs import solver_of
 
 from damage import Brick, Joint, ModelOptions, Wall
 from damage.law.states import ENDED, ENDING, FAILED
-from damage.linear.modes import natural_modes
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY

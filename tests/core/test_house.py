@@ -11,12 +11,12 @@ from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, load_wall
 from damage.house.drawn import drawn, ranges
 from damage.house.house import Corner, Diaphragm, House, Placed, outline, read_house
 from damage.house.layout import JOIST_M2, JOIST_PA, lay_out_house
+from damage.house.meeting import warn_of_lone_walls
 from damage.house.ties import Ties
 from damage.linear.modes import natural_modes, stiffness_matrix
 from damage.motion.settlement import Settlement
 from damage.wall.kinds import BED, GROUND, SLAB_COURSE
 from damage.wall.layout import lay_out
-from damage.wall.meeting import warn_of_lone_walls
 
 BOX = REPOSITORY / "houses/box.toml"
 TALL = {"height": 0.8, "precompression": 0, "brick": Brick(0.4, 0.2, 0.2)}

@@ -18,7 +18,6 @@ from damage.draw.run import has_heap
 from damage.draw.wall import shape_at
 from damage.errors import RunError
 from damage.law.states import ENDED, ENDING, FAILED
-from damage.linear.modes import natural_modes
 from damage.mechanics.collisions import INSIDE, LARGEST, PAIRS, SEARCHES, STORED
 from damage.mechanics.tables import FRICTION, HAS_FAILED, ROTATION, X, Z
 from damage.run.monitor import fastest_fallen

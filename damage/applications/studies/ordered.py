@@ -108,9 +108,7 @@ def _ordinal_probit(curves):
         upper = np.vstack([edge, z])
         lower = np.vstack([z, -edge])
         # of both tails the one in which the difference keeps its digits
-        share = np.where(
-            upper + lower > 0, ndtr(-lower) - ndtr(-upper), ndtr(upper) - ndtr(lower)
-        )
+        share = np.where(upper + lower > 0, ndtr(-lower) - ndtr(-upper), ndtr(upper) - ndtr(lower))
         return -np.sum(counts * np.log(np.maximum(share, _LEAST_SHARE)))
 
     medians = np.log([fit.median for fit in curves])

@@ -327,7 +327,6 @@ class TestNewRecord:
         assert 0.85 < np.mean(held["new record"]) < 0.95
         assert np.mean(held["mean"]) < 0.75
 
-
     def test_the_median_of_its_own_probability_lies_in_the_interval_the_mean_need_not(self):
         """The mean was printed beside the interval: 0.032, and 0.000 to 0.003."""
         fits = {"w": [fragility(recorded(4, 0.6, 0, 4), "max_DI", 0.1, "pga_g", 0)]}
@@ -462,8 +461,10 @@ def graded(slight, moderate, n_walls=40):
         np.repeat([3.0, 1.5, 0.0], [graver, milder - graver, n_walls - milder])
         for milder, graver in zip(slight, moderate)
     ]
-    return walls(n_walls, seed=1).sort_values("pga_g", kind="stable").assign(
-        pga_g=np.repeat(np.arange(1, 9) / 10, n_walls), max_psi=np.concatenate(psi)
+    return (
+        walls(n_walls, seed=1)
+        .sort_values("pga_g", kind="stable")
+        .assign(pga_g=np.repeat(np.arange(1, 9) / 10, n_walls), max_psi=np.concatenate(psi))
     )
 
 
@@ -477,7 +478,9 @@ class TestStatesOfOneMeasure:
         slight, moderate = fits
         crossing = brentq(lambda x: slight.probability(x) - moderate.probability(x), 0.6, 0.8)
         printed = in_words({"w": fits})
-        assert f"moderate is likelier than slight, which it implies, from {crossing:.2f} g" in printed
+        assert (
+            f"moderate is likelier than slight, which it implies, from {crossing:.2f} g" in printed
+        )
         assert "it is 0.72, and the medians are 0.340 (slight) and 0.484" in printed
         apart = fit_all(graded(SLIGHT, np.array(SLIGHT) // 2), "pga_g", 0, GRADES)
         assert "likelier" not in in_words(apart)
