@@ -87,16 +87,16 @@ def make_history(
             "wall": layout.wall.as_dict(),
             "model": model or {},
         }
-        | ({"house": layout.space.as_dict()} if layout.space else {}),
+        | layout.house_parameters,
     )
     frames = {"opening_m": opened, "slip_m": slipped, "offset_m": away, "state": state}
     ground = {f"ground/{name}": np.zeros((1, len(layout.supports), 3)) for name in GROUND}
-    if layout.space:
-        n_walls = len(layout.space.left)
+    if layout.IN_SPACE:
+        n_walls = len(layout.left)
         rows = {name: np.zeros(n_walls) for name in HOUSE} | (house or {})
         rows |= {"base_acceleration_m_s2": 0.0, "failed_ties": 0}
         ground |= {f"house/{name}": np.array([values]) for name, values in rows.items()}
-    n_moves = 6 if layout.space else 3
+    n_moves = 6 if layout.IN_SPACE else 3
     for k, stage in enumerate(stages):
         row, contacts = (
             {name: values[k : k + 1] for name, values in group.items()}
@@ -107,7 +107,7 @@ def make_history(
         snapshots = {time: np.zeros((len(layout.bodies), n_moves)) for time in time_s[::5]}
     for time, displacement in snapshots.items():
         more = () if layout.strain is None else (np.zeros((len(layout.bodies), 5, 3)),)
-        more = (displacement[:, 3:],) if layout.space else more
+        more = (displacement[:, 3:],) if layout.IN_SPACE else more
         writer.snapshot(time, displacement[:, :3], *more)
     writer.finish(status, collapsed_at_s)
     return read_history(path) if write is HistoryWriter else writer.history()

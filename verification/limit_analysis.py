@@ -25,15 +25,15 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix, csr_matrix, hstack, vstack
 
 from damage.errors import InputError
-from damage.linear.modes import contact_normals, kinematic_rows
 from damage.units import GRAVITY
+from damage.wall.layout import contact_normals
 
 _INFEASIBLE, _UNBOUNDED = 2, 3  # of scipy.optimize.linprog
 
 
 def kinematic_matrix(layout, directions):
     """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
-    rows, contacts = kinematic_rows(layout, directions), layout.contacts
+    rows, contacts = layout.kinematic_rows(directions), layout.contacts
     size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
     side, contact, coordinate = np.nonzero(rows)
     return coo_matrix(

@@ -1,7 +1,7 @@
 """Bodies of a wall in YADE's scene: bricks as clumps of boxes, members of bonds, the tips and faces
 of contact points that have failed, corners, and supports.
 
-Bodies are built in the wall's plane, those of a house (`damage.house.space`) in that of its walls
+Bodies are built in the wall's plane, those of a house (`HouseParts`) in that of its walls
 unfolded, and then placed.  A house has all six freedoms.  There all tips and corners are parts of
 the clumps from the start: YADE finds the principal axes of a clump anew when parts are added, as
 eigenvectors that may be a left-handed set, and then turns it wrongly.
@@ -15,7 +15,8 @@ import yade
 from yade import O, Quaternion, Vector3, utils
 
 from damage.wall.kinds import GROUND, rows
-from damage.wall.kinematics import places_of
+from yade_scripts.scene import SceneReader
+from yade_scripts.space import SpaceReader
 
 TIP = 5e-4  # [m], radius: beyond this depth, at 33 MPa, a tip would be assigned to another face
 _POINT = 1e-3  # [m], radius of bond members, without effect
@@ -29,21 +30,32 @@ _GROUND = 10.0  # [m], extension of the ground beyond the wall
 SEEN, FACE = 1, 2  # bits of masks: seen by the collider; faces do not collide with faces
 
 
+def parts_of(layout, corner_depth):
+    """The Parts of a Layout, or the HouseParts of a HouseLayout."""
+    return (HouseParts if layout.IN_SPACE else Parts)(layout, corner_depth)
+
+
 class Parts:
-    """Bodies of a wall in YADE's scene, added by the constructor.
+    """Bodies of a plane wall in YADE's scene, added by the constructor.
 
     clumps, members, ground: as in YadeWall; ends: ids of the members that each bond joins
     (n_contacts, 2); tips: {contact point: Tip} of those that may fail; faces: {(body, kind): id}
-    of the boxes; tip: material; waiting, corners: of a house, as in YadeWall.
+    of the boxes; tip: material; waiting, corners: of a house, as in YadeWall; reader: class of what
+    reads them.
     """
+
+    AXES = 0, 2  # along which a contact point may be near the end of a face
+    ACROSS = 0  # [m], extension of bed and head faces across the wall
+    IN_A_ROW = 1  # contact points through the thickness
+    reader = SceneReader
 
     def __init__(self, layout, corner_depth):
         self.layout, self._corner_depth = layout, corner_depth
         self.waiting, self.corners = {}, []
-        self._places, self._normals, self._reach = places_of(layout)
+        self._places, self._normals, self._reach = layout.places
         self._add_materials()
         self.ends = [[None, None] for _ in range(len(layout.contacts))]
-        self.tips = _tips(layout, self._places, self._normals)
+        self.tips = self._tips()
         self.clumps, self.members, self.ground, self.faces = [], [], [], {}
         self._points = self._plan_points()
         for body in range(len(layout.bodies)):
@@ -114,18 +126,17 @@ class Parts:
         return box
 
     def _add_brick(self, body):
-        bodies, (centre, size) = self.layout.bodies, _box_of(self.layout, body)
+        centre, size = self.layout.box(body)
         half = size / 2
         color = _brick_color(self.layout, body)
         kinds = [
             "box",
             *sorted({tip.face[1] for tip in self.tips.values() if tip.face[0] == body} - {"box"}),
         ]
-        across = REACH if self.layout.space else 0
         reach = {
             "box": (0, 0, 0),
-            "bed": (REACH, across, 0),
-            "head": (0, across, REACH),
+            "bed": (REACH, self.ACROSS, 0),
+            "head": (0, self.ACROSS, REACH),
             "side": (REACH, 0, REACH),
         }
         boxes = [
@@ -133,72 +144,32 @@ class Parts:
             for kind in kinds
         ]
         points = self._add_points(body)
-        mass, space = bodies.mass[body], self.layout.space
-        tips = [one for one, tip in self.tips.items() if space and tip.body == body]
-        later = [self._waiting_tip(self.tips[one]) for one in tips]
-        if space:
-            later += [
-                ball(place, CORNER, self.tip)
-                for place in corner_places(self.layout, body, CORNER + self._corner_depth)
-            ]
-            # distinct, so that YADE takes the axes of the box for those of the clump
-            boxes[0].state.mass, boxes[0].state.inertia = mass, mass * Vector3(1, 2, 3)
+        later = self._later(body, boxes[0])
         clump, ids = O.bodies.appendClumped([*boxes, *points, *later])
         self.faces.update({(body, kind): identity for kind, identity in zip(kinds, ids)})
         self._note(body, ids[len(boxes) :])
         self.clumps.append(clump)
         self.members.append(list(ids[: len(boxes) + len(points)]))
-        if not space:
-            _set_clump(O.bodies[clump].state, mass, bodies.inertia[body], self.layout.held[body])
-            return
-        ids = ids[len(ids) - len(later) :]
-        self.waiting.update(zip(tips, ids))
-        self.corners.append(ids[len(tips) :])
-        along, up = space.across_inertia[body]
-        _set_free(O.bodies[clump], mass, (along, bodies.inertia[body], up))
+        self._free(body, O.bodies[clump], ids[len(boxes) + len(points) :])
 
-    def _waiting_tip(self, tip):
-        """The tip of a contact point that has not failed yet."""
-        place = [x + TIP * by for x, by in zip(tip.place, tip.inwards)]
-        return ball(place, TIP, self.tip)
+    def _later(self, body, box):
+        """Parts of a body that come into use later."""
+        return []
+
+    def _free(self, body, clump, later):
+        """Give a clump its mass and its freedoms; later: ids of the parts of `_later`."""
+        bodies = self.layout.bodies
+        _set_clump(clump.state, bodies.mass[body], bodies.inertia[body], self.layout.held[body])
 
     def place(self, newton):
-        """Move the bodies of a house from where they were built to their places."""
-        space = self.layout.space
-        centres = space.centres(self.layout.bodies)
-        for clump, centre, number in zip(self.clumps, centres, space.wall):
-            state = O.bodies[clump].state
-            turn = Quaternion((0, 0, 1), np.radians(space.house.walls[number].direction))
-            state.pos, state.ori = Vector3(*centre), turn * state.ori
-            state.refPos, state.refOri = state.pos, state.ori
-        newton()  # members follow
+        """Move the bodies from where they were built to their places, those of a plane wall."""
 
     def _add_support(self, support):
-        """Add a support: a box of the height of a brick, up to halfway to its neighbours, or beyond
-        the wall."""
-        brick, all_of = self.layout.wall.brick, self.layout.supports
-        edges = [
-            all_of.left[0] - _GROUND,
-            *((all_of.right[:-1] + all_of.left[1:]) / 2),
-            all_of.right[-1] + _GROUND,
-        ]
-        left, right, row = edges[support], edges[support + 1], len(self.layout.bodies) + support
-        across, y = brick.thickness / 2, 0.0
-        if self.layout.space:
-            places, beyond = self.layout.space.place[:, :2], _GROUND
-            if len(all_of) > 1:  # below one brick, or where a corner took it away
-                own = places[self.layout.contacts.first == GROUND - support]
-                places, beyond = (own, REACH) if len(own) else (places[:1], 0.0)
-            (left, front), (right, back) = (
-                pick(places, axis=0) + sign * (beyond + TIP)
-                for pick, sign in ((np.min, -1), (np.max, 1))
-            )
-            across, y = (back - front) / 2, (front + back) / 2
-        box = self._box(
-            ((left + right) / 2, y, -brick.height / 2),
-            ((right - left) / 2, across, brick.height / 2),
-            (0.4, 0.4, 0.4),
-        )
+        """Add a support: a box of the height of a brick."""
+        low, high = (np.array(end) for end in self._support_in_plan(support))
+        height, row = self.layout.wall.brick.height, len(self.layout.bodies) + support
+        centre, half = (low + high) / 2, (high - low) / 2
+        box = self._box((*centre, -height / 2), (*half, height / 2), (0.4, 0.4, 0.4))
         parts = [box, *self._add_points(row)]
         for part in parts:
             part.state.blockedDOFs = "xyzXYZ"
@@ -206,6 +177,111 @@ class Parts:
         self.ground.append(ids)
         self.faces[GROUND - support, "box"] = ids[0]
         self._note(row, ids[1:])
+
+    def _support_in_plan(self, support):
+        """Opposite corners (x, y) of a support [m]: up to halfway to its neighbours, or beyond the
+        wall."""
+        all_of, across = self.layout.supports, self.layout.wall.brick.thickness / 2
+        edges = [
+            all_of.left[0] - _GROUND,
+            *((all_of.right[:-1] + all_of.left[1:]) / 2),
+            all_of.right[-1] + _GROUND,
+        ]
+        return (edges[support], -across), (edges[support + 1], across)
+
+    def _tips(self):
+        """{contact point: Tip} of all that may fail."""
+        layout = self.layout
+        contacts, places, normals = layout.contacts, self._places, self._normals
+        tips = {}
+        for index in range(layout.n_joints):
+            if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
+                continue
+            bodies = int(contacts.first[index]), int(contacts.second[index])
+            margins = [
+                self._margin(body, place[index], normal[index])
+                for body, place, normal in zip(bodies, places, normals)
+            ]
+            if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
+                # those through the thickness together
+                side = index // self.IN_A_ROW % 2 if bodies[0] >= 0 else 1
+            else:
+                side = int(margins[0] > margins[1])  # the tip is on the side whose face ends nearer
+            kind = ("head", "side", "bed")[np.abs(normals[1 - side][index]).argmax()]
+            if max(margins) > _MARGIN or bodies[1 - side] < 0:
+                kind = "box"
+            inwards = 1.0 if side else -1.0
+            tips[index] = Tip(
+                tuple(places[side][index].tolist()),
+                tuple((inwards * normals[side][index]).tolist()),
+                bodies[side],
+                bool(side),
+                (bodies[1 - side], kind),
+            )
+        return tips
+
+    def _margin(self, body, place, normal):
+        """Distance of a contact point from the nearest end of a body's face, (x, y, z) in its wall
+        [m]."""
+        if body < 0:
+            return _GROUND
+        centre, size = self.layout.box(body)
+        half = size / 2
+        return min(half[k] - abs(place[k] - centre[k]) for k in self.AXES if abs(normal[k]) < 0.5)
+
+
+class HouseParts(Parts):
+    """Bodies of a house, which move in space."""
+
+    AXES = 0, 1, 2
+    ACROSS = REACH
+    IN_A_ROW = 3
+    reader = SpaceReader
+
+    def _later(self, body, box):
+        # distinct, so that YADE takes the axes of the box for those of the clump
+        mass = self.layout.bodies.mass[body]
+        box.state.mass, box.state.inertia = mass, mass * Vector3(1, 2, 3)
+        tips = [self._waiting_tip(tip) for tip in self._tips_of(body).values()]
+        inset = CORNER + self._corner_depth
+        corners = corner_places(self.layout, body, inset, across=(-1, 1))
+        return tips + [ball(place, CORNER, self.tip) for place in corners]
+
+    def _tips_of(self, body):
+        return {joint: tip for joint, tip in self.tips.items() if tip.body == body}
+
+    def _free(self, body, clump, later):
+        tips, bodies = self._tips_of(body), self.layout.bodies
+        self.waiting.update(zip(tips, later))
+        self.corners.append(later[len(tips) :])
+        along, up = self.layout.across_inertia[body]
+        _set_free(clump, bodies.mass[body], (along, bodies.inertia[body], up))
+
+    def _waiting_tip(self, tip):
+        """The tip of a contact point that has not failed yet."""
+        place = [x + TIP * by for x, by in zip(tip.place, tip.inwards)]
+        return ball(place, TIP, self.tip)
+
+    def place(self, newton):
+        """Move the bodies from where they were built to their places."""
+        layout = self.layout
+        for clump, centre, number in zip(self.clumps, layout.centres, layout.body_wall):
+            state = O.bodies[clump].state
+            turn = Quaternion((0, 0, 1), np.radians(layout.house.walls[number].direction))
+            state.pos, state.ori = Vector3(*centre), turn * state.ori
+            state.refPos, state.refOri = state.pos, state.ori
+        newton()  # members follow
+
+    def _support_in_plan(self, support):
+        """Opposite corners (x, y) of a support [m]: around the contact points on it, or beyond all
+        walls."""
+        layout = self.layout
+        places, beyond = layout.place[:, :2], _GROUND
+        if len(layout.supports) > 1:  # below one brick, or where a corner took it away
+            own = places[layout.contacts.first == GROUND - support]
+            places, beyond = (own, REACH) if len(own) else (places[:1], 0.0)
+        beyond += TIP
+        return places.min(axis=0) - beyond, places.max(axis=0) + beyond
 
 
 @dataclass(frozen=True)
@@ -221,70 +297,16 @@ class Tip:
     face: tuple
 
 
-def _tips(layout, places, normals):
-    """{contact point: Tip} of all that may fail; places, normals: of each contact point in the
-    walls of both bodies, (2, n_contacts, 3)."""
-    contacts = layout.contacts
-    found = {}
-    for index in range(layout.n_joints):
-        if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
-            continue
-        bodies = int(contacts.first[index]), int(contacts.second[index])
-        margins = [
-            _margin(layout, body, place[index], normal[index])
-            for body, place, normal in zip(bodies, places, normals)
-        ]
-        if min(margins) > _MARGIN or abs(margins[0] - margins[1]) < 1e-6:
-            # of a house the three points through the thickness together
-            side = (index // 3 if layout.space else index) % 2 if bodies[0] >= 0 else 1
-        else:
-            side = int(margins[0] > margins[1])  # the tip is on the side whose face ends nearer
-        kind = ("head", "side", "bed")[np.abs(normals[1 - side][index]).argmax()]
-        inwards = 1.0 if side else -1.0
-        found[index] = Tip(
-            tuple(places[side][index].tolist()),
-            tuple((inwards * normals[side][index]).tolist()),
-            bodies[side],
-            bool(side),
-            (bodies[1 - side], "box" if max(margins) > _MARGIN or bodies[1 - side] < 0 else kind),
-        )
-    return found
-
-
-def _margin(layout, body, place, normal):
-    """Distance of a contact point from the nearest end of a body's face, (x, y, z) in its wall [m];
-    in a plane wall y does not matter."""
-    if body < 0:
-        return _GROUND
-    centre, size = _box_of(layout, body)
-    half = size / 2
-    return min(
-        half[k] - abs(place[k] - centre[k])
-        for k in ((0, 1, 2) if layout.space else (0, 2))
-        if abs(normal[k]) < 0.5
-    )
-
-
-def _box_of(layout, body):
-    """Centre (x, y, z) and size of a body, as unfolded (3,) [m]."""
-    bodies, space = layout.bodies, layout.space
-    y, depth = 0.0, layout.wall.brick.thickness
-    if space:
-        y, depth = float(space.offset[body]), space.depth[body]
-    centre = float(bodies.x[body]), y, float(bodies.z[body])
-    return centre, np.array([bodies.length[body], depth, bodies.height[body]])
-
-
-def corner_places(layout, body, inset):
-    """Of the spheres in the corners of a body (x, y, z) [m], in the middle of the thickness in a
-    plane wall."""
-    (x, y, z), size = _box_of(layout, body)
+def corner_places(layout, body, inset, across=(0,)):
+    """Places of the spheres in the corners of a body (x, y, z) [m], at these shares of half the
+    thickness."""
+    (x, y, z), size = layout.box(body)
     half = size / 2 - inset
     return [
         (x + right * half[0], y + through * half[1], z + up * half[2])
         for right in (-1, 1)
         for up in (-1, 1)
-        for through in ((-1, 1) if layout.space else (0,))
+        for through in across
     ]
 
 

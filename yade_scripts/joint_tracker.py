@@ -17,8 +17,7 @@ import numpy as np
 from damage.errors import InputError
 from damage.law.joint_law import friction_left, material_of
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
-from damage.wall.kinds import TINY
-from damage.wall.kinematics import CORNER_RADIUS, slide_limits
+from damage.wall.kinematics import CORNER_RADIUS
 
 FOLLOWED = {
     "friction",
@@ -56,11 +55,8 @@ def check_law(joint):
 def frictions(layout, broken):
     """Coefficients of friction of all contact points (n_contacts,) [-], intact or broken; between
     two walls of a house the lesser."""
-    walls = [one.wall for one in layout.space.house.walls] if layout.space else [layout.wall]
-    values = np.array([friction_left(broken, material_of(one.joint)) for one in walls])
-    if layout.space:
-        return layout.space.lesser(layout.contacts, values)
-    return np.full(len(layout.contacts), values[0])
+    values = [friction_left(broken, material_of(wall.joint)) for wall in layout.walls]
+    return layout.of_contacts(np.array(values))
 
 
 def signed(shear):
@@ -83,19 +79,11 @@ class JointTracker:
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
-        shear = complex if layout.space else float
+        shear = layout.SHEAR
         self.opening, (self.slip, self.offset) = np.zeros(n), np.zeros((2, n), shear)
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
-        self._slide = np.array(
-            slide_limits(contacts.first, contacts.second, contacts.upright, layout.bodies)
-        )[:, :n]
-        if layout.space:  # joints between two walls, and on a slab, have no end
-            slab = layout.space.depth > layout.wall.brick.thickness + TINY
-            endless = layout.space.joint_wall[:n] < 0
-            for end in (contacts.first[:n], contacts.second[:n]):
-                endless |= (end >= 0) & slab[end]
-            self._slide[:, endless] = np.array([[-np.inf], [np.inf]])
+        self._slide = layout.slide_limits[:, :n]
         self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
         sides = np.column_stack([contacts.first, contacts.second])[:n]
         _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)

@@ -31,10 +31,10 @@ from yade_scripts.bodies import (
     REACH,
     SEEN,
     TIP,
-    Parts,
     ball,
     collision_material,
     corner_places,
+    parts_of,
 )
 from yade_scripts.friction_work import FrictionWork
 from yade_scripts.joint_tracker import frictions
@@ -69,6 +69,7 @@ class YadeWall:
         self.layout, self.bonds, self.newton, self.law = layout, bonds, newton, law
         self.geometries, self.physics = [bond.geom for bond in bonds], [bond.phys for bond in bonds]
         self.clumps, self.members, self.ground = parts.clumps, parts.members, parts.ground
+        self.reader = parts.reader
         self.signs = np.array(
             [1.0 if bond.id2 == second else -1.0 for bond, (_, second) in zip(bonds, parts.ends)]
         )
@@ -119,11 +120,10 @@ class YadeWall:
 
     def tensile_strengths(self, joints):
         """Of bonds (m,) [Pa], none where one towards a face of the wall has failed (`loosen`)."""
-        found, space = self.layout.contacts.tensile_strength[joints], self.layout.space
-        if space:
-            failed = np.flatnonzero(~self.bonded[: self.layout.n_joints])
-            found[np.isin(joints, space.inner[failed])] = 0.0
-        return found
+        strengths = self.layout.contacts.tensile_strength[joints]
+        failed = np.flatnonzero(~self.bonded[: self.layout.n_joints])
+        strengths[np.isin(joints, self.layout.inner(failed))] = 0.0
+        return strengths
 
     def loosen(self, joint):
         """Replace a failed bond by a tip on a face, with the shear force of the bond after its
@@ -145,7 +145,7 @@ class YadeWall:
             contact,
             self.friction_of(joint) * contact.phys.kn * max(contact.geom.penetrationDepth, 0.0),
         )
-        for inner in self.layout.space.inner[joint] if self.layout.space else ():
+        for inner in self.layout.inner(joint):
             if self.bonded[inner]:
                 self.physics[inner].FnMax = LEAST_STRENGTH
 
@@ -241,7 +241,7 @@ class YadeWall:
             members.extend(corners)
             self.corners.update(corners)
         inset = CORNER + self._corner_depth
-        for body in range(0 if self.layout.space else len(self.layout.bodies)):
+        for body in range(len(self._corners_waiting), len(self.layout.bodies)):
             balls = [
                 ball(place, CORNER, self._material)
                 for place in corner_places(self.layout, body, inset)
@@ -374,9 +374,8 @@ def build(layout, dt, corner_depth=0.0):
         [law, friction, damped],
     )
     O.engines = [yade.ForceResetter(), collider, loop, newton]
-    parts = Parts(layout, max(corner_depth, _INSET))
-    if layout.space:
-        parts.place(newton)
+    parts = parts_of(layout, max(corner_depth, _INSET))
+    parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
     for index, (bond, slope) in enumerate(zip(bonds, frictions(layout, False).tolist())):
         _set_bond(bond.phys, layout, index, slope)

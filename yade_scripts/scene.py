@@ -8,6 +8,7 @@ from yade import O, Vector3
 
 from damage.elementary import atan
 from damage.units import GRAVITY
+from damage.wall.kinematics import ContactKinematics
 from yade_scripts.bonds import bonds_by_law
 
 
@@ -36,6 +37,7 @@ class SceneReader:
         self.push_axis = Vector3(1, 0, 0)  # direction of a spreader beam, and of the ground's tilts
         self.ground_at = model.layout.supports.x  # along that
         self.first_orientation = np.array([tuple(state.ori) for state in self.model.turning])
+        self._kinematics = ContactKinematics(model.layout)
 
     def pushed(self, bodies):
         """Displacement of these bodies along a spreader beam (m,) [m]."""
@@ -111,6 +113,30 @@ class SceneReader:
         """At the time of the positions [J]; arguments as of `synchronous_velocities`."""
         speed = self.synchronous_velocities(half_step, base_acceleration)
         return 0.5 * float(np.sum(self.mass * speed**2))
+
+    def set_velocities(self, velocities):
+        """Set those of the bodies by their coordinates (n_bodies, 3) [m/s, m/s, rad/s]."""
+        for state, (vx, vz, rotating) in zip(self.states, velocities):
+            state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
+
+    def turned_by_heading(self, along, up):
+        """Along x, z and y what is along the wall and upwards."""
+        return along, up, 0.0
+
+    def displacements(self, joints, supports):
+        """Opening and shear displacement of contact points, by the motion of their bodies (m,) [m];
+        supports: (n_supports, 3) as of ContactKinematics."""
+        sides = np.concatenate([side[joints] for side in self._kinematics.ends])
+        motion = self.motion(np.unique(sides[sides < len(self.states)]))
+        return self._kinematics.displacements(motion, joints, supports)
+
+    def out_of_plane(self, motion):
+        """Coordinates of a `motion` out of the plane of the walls, None of a plane wall."""
+        return
+
+    def plane_resultants(self):
+        """`resultants` in the plane of the walls."""
+        return self.resultants()
 
     def resultants(self):
         """Forces and moments of the contacts on each body, and of what is on a restrained top,

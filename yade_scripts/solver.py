@@ -18,15 +18,13 @@ from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE
-from damage.wall.kinematics import CORNER_RADIUS, ContactKinematics
+from damage.wall.kinematics import CORNER_RADIUS
 from damage.wall.restraints import top_of
 from yade_scripts import checkpoint
 from yade_scripts.bonds import Bonds
 from yade_scripts.crushing import Crushing
 from yade_scripts.joint_tracker import JointTracker, signed
 from yade_scripts.model import build
-from yade_scripts.scene import SceneReader
-from yade_scripts.space import SpaceReader
 from yade_scripts.ties import Ties
 
 FOLLOW_STEPS = JOINT_STEPS // 2
@@ -59,8 +57,7 @@ class YadeSolver(Solver):
         self.model = build(
             layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0
         )
-        self.scene = (SpaceReader if layout.space else SceneReader)(self.model)
-        self.kinematics = ContactKinematics(layout)
+        self.scene = self.model.reader(self.model)
         self.tracker, self.crushing = (
             JointTracker(layout, THRESHOLD, new_contacts),
             Crushing(self.scene),
@@ -116,11 +113,7 @@ class YadeSolver(Solver):
         self.model.damp_impacts()
 
     def set_velocities(self, velocities):
-        if self.layout.space:
-            self.scene.set_velocities(velocities)
-            return
-        for state, (vx, vz, rotating) in zip(self.scene.states, velocities):
-            state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
+        self.scene.set_velocities(velocities)
 
     def hold(self, bodies, rotation, stiffness=0.0):
         self._held, self._top_stiffness = np.sort(bodies), stiffness
@@ -294,9 +287,7 @@ class YadeSolver(Solver):
         """Acceleration of the base along x and z now, and in a house along y [m/s2]."""
         if self.clock >= len(self._base):
             return 0.0, 0.0, 0.0
-        if self.layout.space:
-            return self.scene.turned_by_heading(*self._base[self.clock])
-        return (*self._base[self.clock], 0.0)
+        return self.scene.turned_by_heading(*self._base[self.clock])
 
     def _observe(self):
         """Update the failed joints and the input energy, and take a sample where one is due."""
@@ -327,11 +318,7 @@ class YadeSolver(Solver):
     def _displacements(self, joints):
         """Opening and shear displacement of contact points, by the motion of their bodies (m,)
         [m]."""
-        if self.layout.space:
-            return self.scene.displacements(joints, self._supports)
-        sides = np.concatenate([side[joints] for side in self.kinematics.ends])
-        motion = self.scene.motion(np.unique(sides[sides < len(self.layout.bodies)]))
-        return self.kinematics.displacements(motion, joints, self._supports)
+        return self.scene.displacements(joints, self._supports)
 
     def _soften(self, passed):
         """Apply the joint law to bonds that passed their strengths, and log those that failed."""
@@ -443,7 +430,7 @@ class YadeSolver(Solver):
         return Instants.one(
             clock=self.clock,
             displacement=motion[:, :3],
-            out_of_plane=motion[:, 3:] if self.layout.space else None,
+            out_of_plane=self.scene.out_of_plane(motion),
             failed_ties=self.ties.failed,
             support_displacement=self._supports.copy(),
             support_force=self.scene.support_forces(self._supports),
@@ -463,8 +450,7 @@ class YadeSolver(Solver):
 
     def forces(self):
         scene = self.scene
-        on_bodies = scene.plane_resultants() if self.layout.space else scene.resultants()
-        return on_bodies, scene.contact_forces()
+        return scene.plane_resultants(), scene.contact_forces()
 
     def base_reaction(self):
         return self.scene.base_reaction()

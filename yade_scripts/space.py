@@ -13,26 +13,26 @@ from yade_scripts.scene import SceneReader
 
 class SpaceReader(SceneReader):
     """As SceneReader; a body's six coordinates are those of its wall, as of
-    `damage.house.space.Space.rows`: along it, upwards, rotation from x towards z, across, rotations
-    about the axes along and upwards."""
+    `damage.house.space.HouseLayout`: along it, upwards, rotation from x towards z, across,
+    rotations about the axes along and upwards."""
 
     def __init__(self, model):
         super().__init__(model)
         layout = model.layout
-        space, bodies, contacts = layout.space, layout.bodies, layout.contacts
-        self.start, self._of_body = space.centres(bodies), space.of_body
+        bodies, contacts = layout.bodies, layout.contacts
+        self.start, self._of_body = layout.centres, layout.of_body
         self._first = Rotation.from_quat(self.first_orientation).inv()
         self._ends = [rows(end, len(bodies)) for end in (contacts.first, contacts.second)]
-        turn = np.radians(space.house.heading)
+        turn = np.radians(layout.house.heading)
         self._heading = np.round([np.cos(turn), np.sin(turn)], 15)
         self.push_axis = Vector3(*self._heading, 0)
-        self.ground_at = (space.ground_left + space.ground_right) / 2
+        self.ground_at = (layout.ground_left + layout.ground_right) / 2
         centres = np.vstack([self.start, self._of_ground(self.ground_at, 0 * self.ground_at)])
         # the numbers of points last, which numpy takes at once
-        self._arms = [(space.place - centres[end]).T for end in self._ends]
-        self._axes = np.ascontiguousarray(space.axes.transpose(1, 2, 0))
+        self._arms = [(layout.place - centres[end]).T for end in self._ends]
+        self._axes = np.ascontiguousarray(layout.axes.transpose(1, 2, 0))
         # about the axes of a body: along, across and upwards
-        self._inertia = np.insert(space.across_inertia, 1, bodies.inertia, axis=1)
+        self._inertia = np.insert(layout.across_inertia, 1, bodies.inertia, axis=1)
 
     def turned_by_heading(self, along, up, across):
         """Along x, z and y of the house what is along its heading, upwards and across."""
@@ -132,6 +132,9 @@ class SpaceReader(SceneReader):
             row[:] = (*force, *moment)
         found[:, :2] += self.on_top[:, :1] * self._heading
         return found
+
+    def out_of_plane(self, motion):
+        return motion[:, 3:]
 
     def plane_resultants(self):
         """Sizes of the horizontal forces, and vertical ones, (n_bodies, 3) [N, N, nothing]."""

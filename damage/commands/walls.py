@@ -8,8 +8,8 @@ from damage.commands.table import JSON, WALL, command, out, output, program, sav
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import json_text
 from damage.house.coarser import in_units
-from damage.house.house import is_house, read_house
-from damage.house.layout import lay_out_house
+from damage.house.house import load_wall_or_house
+from damage.house.layout import lay_out_building
 from damage.house.meeting import warn_of_lone_walls
 from damage.house.plausible import check_plausible
 from damage.linear.modes import natural_modes
@@ -28,8 +28,6 @@ from damage.run.motion_options import PREPARATION, recorded
 from damage.run.options import ACCEPTING, UNITS, model_arguments, model_of
 from damage.wall import as_built, materials
 from damage.wall.file import load_wall, wall_schema
-from damage.wall.geometry import body_table, joint_table
-from damage.wall.layout import lay_out
 from damage.wall.plan import plan_of
 
 
@@ -64,7 +62,7 @@ def _materials(asked):
     examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"),
 )
 def _modes(asked):
-    layout = lay_out(_plausible_wall(asked), model_of(asked))
+    layout = _laid_out(load_wall(asked.wall), asked)
     modes = natural_modes(layout)
     if asked.out:
         from damage.draw.preview import modes_picture
@@ -108,40 +106,27 @@ def _modes(asked):
     examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg", "my_house.toml"),
 )
 def _draw(asked):
-    from damage.draw.preview import wall_preview
+    from damage.draw.house_preview import preview
     from damage.draw.style import save_picture
 
-    if is_house(asked.wall):
-        from damage.draw.house_preview import house_preview
-
-        wall = in_units(read_house(asked.wall), asked.units)
-        if not asked.accept_implausible:
-            check_plausible(wall)
-        figure = house_preview(lay_out_house(wall, model_of(asked)))
-        warn(*warn_of_lone_walls(wall))
-        warn(*(text for one in wall.walls for text in as_built.warn_of_apex(one.wall.joint)))
-    else:
-        wall = _plausible_wall(asked)
-        layout = lay_out(wall, model_of(asked))
-        supports = tuple(zip(layout.supports.left, layout.supports.right))
-        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
+    layout = _laid_out(load_wall_or_house(asked.wall), asked)
     made = f"wall {shown_path(asked.wall)}"
-    print(save_picture(figure, asked.out or Path(f"{wall.name}.png"), made))
+    print(save_picture(preview(layout), asked.out or Path(f"{layout.wall.name}.png"), made))
 
 
-def _plausible_wall(asked):
-    """Return the wall of a file, or of a name, in the units that are asked for, its values checked
-    unless a command's options accept all."""
-    wall = in_units(load_wall(asked.wall), asked.units)
+def _laid_out(building, asked):
+    """Lay out a damage.Wall, or House, in the units that are asked for, its values checked unless a
+    command's options accept all; warns of what is built otherwise than given."""
+    building = in_units(building, asked.units)
     if not asked.accept_implausible:
-        check_plausible(wall)
-    plan = plan_of(wall)
-    warn(
-        *as_built.warn_of_courses(plan),
-        *as_built.warn_of_slabs(plan),
-        *as_built.warn_of_apex(wall.joint),
-    )
-    return wall
+        check_plausible(building)
+    layout = lay_out_building(building, model_of(asked))
+    texts = warn_of_lone_walls(building)
+    for plan in map(plan_of, building.each_wall):
+        texts += as_built.warn_of_courses(plan) + as_built.warn_of_slabs(plan)
+        texts += as_built.warn_of_apex(plan.wall.joint)
+    warn(*dict.fromkeys(texts))
+    return layout
 
 
 @command(

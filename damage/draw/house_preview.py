@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from damage.draw import style
 from damage.draw.panels import PAGE_WIDTH
-from damage.draw.preview import PAPER, draw_preview
+from damage.draw.preview import PAPER, draw_preview, wall_preview
 from damage.house.house import outline
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.kinds import SLAB_COURSE, TINY
@@ -19,11 +19,19 @@ SECTION_M = 1.0  # height of the plan
 ARROW = {"arrowstyle": "->", "lw": 0.8, "color": style.DARK}
 
 
+def preview(layout):
+    """Figure of a wall or a house before it is run, by its Layout."""
+    if layout.IN_SPACE:
+        return house_preview(layout)
+    supports = tuple(zip(layout.supports.left, layout.supports.right))
+    return wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
+
+
 @style.styled
 def house_preview(layout):
     """Figure of a house before it is run: its plan, with corners and the direction of the motion,
     and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
-    house, space, handles = layout.space.house, layout.space, {}
+    house, handles = layout.house, {}
     walls, n = [one.wall for one in house.bearing], layout.n_joints
     concrete = [one for one in house.floors if one.kind == "concrete"]
     concrete.sort(key=lambda floor: floor.level)
@@ -35,13 +43,14 @@ def house_preview(layout):
     figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
     cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
     handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
-    bodies, joints, middle = body_table(layout), joint_table(layout), np.abs(space.y[:n]) < TINY
+    bodies, joints, middle = body_table(layout), joint_table(layout), np.abs(layout.y[:n]) < TINY
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
-        on_wall = middle & (space.joint_wall[:n] == number)
-        of = (space.wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
+        on_wall = middle & (layout.joint_wall[:n] == number)
+        of = (layout.body_wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
         tables = [
-            one.assign(x_m=one["x_m"] - space.left[number]) for one in (bodies[of], joints[on_wall])
+            one.assign(x_m=one["x_m"] - layout.left[number])
+            for one in (bodies[of], joints[on_wall])
         ]
         slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
         slabs = slabs[[wall.name in one.walls for one in concrete]]

@@ -28,7 +28,7 @@ class Buffer:
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
         # a house has no stresses of deformable bricks, a plane wall nothing out of its plane
-        left_out = {"stress_pa" if layout.space else "out_of_plane"}
+        left_out = {"stress_pa" if layout.IN_SPACE else "out_of_plane"}
         self._snapshots = [name for name in schema.SNAPSHOTS if name not in left_out]
         self._rows = {"active": [], "events": [], "snapshots": [], "static_stage": []}
         self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}

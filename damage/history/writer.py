@@ -28,6 +28,7 @@ from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
 from damage.history.reader import read_history
 from damage.provenance import shown_command
 
+OF_HOUSES = ("snapshots/out_of_plane", *(f"house/{name}" for name in schema.HOUSE))
 _LEAST_FREE = 1_000_000  # [bytes] on the disk, for a history to begin
 _LEVEL = 2  # of gzip
 _COLUMNS = 64  # of a chunk, where columns are added as contact points become active
@@ -317,11 +318,8 @@ def layout_tables(layout):
             bodies.course,
         ),
         "supports": (supports.left, supports.right),
+        **layout.placing,
     }
-    if layout.space:
-        space = layout.space
-        joints = space.joint_wall[:n], space.y[:n]
-        tables["placing"] = space.wall, *joints, space.offset, space.depth
     return {
         f"{group}/{name}": np.asarray(data, column.dtype)
         for group, values in tables.items()
@@ -335,15 +333,14 @@ def growing_columns(layout, parameters):
     kept = {
         "snapshots/stress_pa": layout.strain is not None,
         "stresses/joint_stress_pa": parameters.get("stresses"),
-        "snapshots/out_of_plane": layout.space,
-        **{f"house/{name}": layout.space for name in schema.HOUSE},
+        **dict.fromkeys(OF_HOUSES, layout.IN_SPACE),
     }
     sizes = {
         "joints": layout.n_joints,
         "bodies": len(layout.bodies),
         "supports": len(layout.supports),
         "active": 0,
-        "walls": layout.space and len(layout.space.left),
+        "walls": len(layout.walls),
     }
     found = {}
     for path, column in schema.COLUMNS.items():

@@ -19,17 +19,13 @@ import math
 from dataclasses import replace
 
 from damage.errors import InputError
-from damage.house.house import House
 from damage.wall.parameters import nearest
 from damage.wall.plan import plan_of
 
 
 def in_units(wall, units):
     """A damage.Wall, or each wall of a House, in units of so many bricks and courses (2,)."""
-    if isinstance(wall, House):
-        walls = tuple(replace(one, wall=coarser(one.wall, *units)) for one in wall.walls)
-        return replace(wall, walls=walls)
-    return coarser(wall, *units)
+    return wall.with_each(lambda one: coarser(one, *units))
 
 
 def coarser(wall, along, up):

@@ -16,8 +16,8 @@ from damage.wall.kinds import BED, GROUND, HEAD, TINY
 def makes_room_for(layout, one, other, kind):
     """The body of another wall for which each makes room (n_bodies,), GROUND of those that stay;
     kind: of their corner, None without one."""
-    space, dropped = layout.space, np.full(len(layout.bodies), GROUND)
-    house, walls = space.house, space.house.walls
+    dropped = np.full(len(layout.bodies), GROUND)
+    house, walls = layout.house, layout.house.walls
     where = f"house {house.name}, walls {house.names[one]} and {house.names[other]}"
     if abs(walls[one].axes[0] @ walls[other].axes[0]) > TINY:
         return dropped
@@ -63,10 +63,10 @@ def makes_room_for(layout, one, other, kind):
 
 
 def with_loads(layout, making_room):
-    """The Layout with what bodies that make room carried on those in their place."""
-    space, bodies = layout.space, layout.bodies
-    density = np.array([one.wall.brick.density for one in space.house.walls])[space.wall]
-    loads = bodies.mass - density * bodies.length * space.depth * bodies.height
+    """The HouseLayout with what bodies that make room carried on those in their place."""
+    bodies = layout.bodies
+    density = np.array([wall.brick.density for wall in layout.walls])[layout.body_wall]
+    loads = bodies.mass - density * bodies.length * layout.depth * bodies.height
     gone = making_room >= 0
     more = np.bincount(making_room[gone], loads[gone], len(bodies))
     more[more < TINY] = 0.0
@@ -75,21 +75,22 @@ def with_loads(layout, making_room):
     return replace(
         layout,
         bodies=replace(bodies, mass=mass, inertia=inertia),
-        space=replace(space, across_inertia=space.across_inertia * factor[:, None]),
+        across_inertia=layout.across_inertia * factor[:, None],
     )
 
 
 def joined_at(layout, one, other):
-    """The Layout with contact points where bricks of two walls touch, behind all other joints; each
-    property is that of the wall where it is less."""
-    space = layout.space
+    """The HouseLayout with contact points where bricks of two walls touch, behind all other joints.
+
+    Each property is that of the wall where it is less.
+    """
 
     def least(part, name):
-        walls = space.house.walls[one].wall, space.house.walls[other].wall
+        walls = layout.walls[one], layout.walls[other]
         return min(getattr(getattr(wall, part), name) for wall in walls)
 
     low, high, i, j, apart = _common(layout, one, other)
-    axes, span, found = space.house.walls[one].axes, high - low, []
+    axes, span, found = layout.house.walls[one].axes, high - low, []
     bricks = np.maximum(i, j) < layout.n_bricks
     for normal in range(3):
         u, v = (k for k in range(3) if k != normal)
@@ -120,10 +121,9 @@ def _common(layout, one, other):
     """Boxes that the bodies of two walls at right angles have in common, in axes of the first:
     lowest and highest corners (n_pairs, 3) [m], turned inside out where two are apart, both bodies
     (n_pairs,), and the centres' distances (n_pairs, 3)."""
-    space = layout.space
     low, high = boxes(layout, one)
-    centre, own = (low + high) / 2, space.depth < layout.wall.brick.thickness + TINY
-    i, j = (np.flatnonzero((space.wall == number) & own) for number in (one, other))
+    centre, own = (low + high) / 2, layout.depth < layout.wall.brick.thickness + TINY
+    i, j = (np.flatnonzero((layout.body_wall == number) & own) for number in (one, other))
     i, j = (index.ravel() for index in np.meshgrid(i, j, indexing="ij"))
     common = np.maximum(low[i], low[j]), np.minimum(high[i], high[j])
     return *common, i, j, centre[j] - centre[i]

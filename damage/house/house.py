@@ -41,11 +41,13 @@ Its runs are YADE's: `./yade HOUSE.toml`.  `damage.house.layout` lays it out.
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
 from damage.errors import InputError
 from damage.fields import check_fields, choice, quantity
+from damage.house.limits import OF_RUNS, OF_WALLS, refuse
 from damage.house.ties import Ties, spans_between
 from damage.toml_file import read_toml
 from damage.wall.file import MOST_MB, load_wall, read_wall, user_record
@@ -170,6 +172,8 @@ class House:
     """Placed walls of bricks of one size, their corners, floors and ties; heading: of the first
     horizontal component of the motion in plan, from x towards y [deg]."""
 
+    KIND: ClassVar = "house"
+
     name: str
     walls: tuple[Placed, ...]
     corners: tuple[Corner, ...] = ()
@@ -204,6 +208,38 @@ class House:
     def names(self):
         """Of its walls."""
         return [placed.wall.name for placed in self.walls]
+
+    @property
+    def records(self):
+        """The records in it beside those of its walls."""
+        return *self.floors, *self.ties
+
+    @property
+    def line_loads(self):
+        """None beside those of its walls."""
+        return []
+
+    @property
+    def lone_walls(self):
+        """Names of its walls that no corner, floor or tie joins to another, none of one wall."""
+        parts = [part.walls for part in (*self.corners, *self.floors, *self.ties)]
+        joined = {name for names in parts if len(names) > 1 for name in names}
+        return [name for name in self.names if name not in joined] if len(self.walls) > 1 else []
+
+    @property
+    def each_wall(self):
+        """Its damage.Walls."""
+        return tuple(placed.wall for placed in self.walls)
+
+    def with_each(self, change):
+        """The House with each of its walls changed by a function."""
+        walls = tuple(replace(placed, wall=change(placed.wall)) for placed in self.walls)
+        return replace(self, walls=walls)
+
+    def check_run(self, settings):
+        """Raise InputError of RunSettings for what houses cannot do yet."""
+        alone = "a motion of the base, a push, settlement, or free vibration, alone"
+        refuse(f"house {self.name}", OF_RUNS, settings, alone)
 
     @cached_property
     def masonry(self):
@@ -273,11 +309,9 @@ def _check_corner(house, corner):
 
 
 def _check_masonry(house, wall):
-    """Refuse what a house cannot have yet: walls of bricks of other sizes, and what runs in a plane
-    alone."""
-    joint, (size, first) = (
-        wall.joint,
-        [(one.length, one.height, one.thickness) for one in (wall.brick, house.masonry.brick)],
+    """Refuse walls of bricks of other sizes, and what a house cannot have yet."""
+    size, first = (
+        (brick.length, brick.height, brick.thickness) for brick in (wall.brick, house.masonry.brick)
     )
     if size != first:
         raise InputError(
@@ -285,17 +319,7 @@ def _check_masonry(house, wall):
             f" {house.names[0]} {first} m: expected one size, so that courses meet; correct the"
             " [brick] of one"
         )
-    for what, given in (
-        ("fracture energies of joints", joint.softens),
-        ("a compressive strength of joints", joint.compressive_strength),
-        ("bricks that split", wall.brick.splits),
-        ("restraints", wall.restraints),
-    ):
-        if given:
-            raise InputError(
-                f"house {house.name}, wall {wall.name}: {what}: expected none, which runs in the"
-                " plane of a wall alone; leave them out"
-            )
+    refuse(f"house {house.name}, wall {wall.name}", OF_WALLS, wall, "none, as it runs in a plane")
 
 
 def _check_floor(house, floor):
@@ -366,22 +390,14 @@ def _placed(path, number, table):
     return user_record(f"{path}, [[walls]] {number}", Placed, table | named)
 
 
-def is_house(path):
-    """Whether a file is a TOML file that places walls."""
-    path = Path(path)
-    return (
-        path.suffix == ".toml"
-        and path.is_file()
-        and "[[walls]]" in path.read_text("utf-8", "replace")
-    )
-
-
 def read_wall_or_house(path):
     """The House of a TOML file that places walls, else its damage.Wall."""
     table = read_toml(path, "a wall or a house as TOML", MOST_MB)
     return read_house(path) if "walls" in table else read_wall(path)
 
 
-def masonry_of(wall):
-    """A damage.Wall itself; of a House that of its walls' masonry."""
-    return wall.masonry if isinstance(wall, House) else wall
+def load_wall_or_house(given):
+    """The House, or damage.Wall, of a file, or of the name of a wall that ships."""
+    path = Path(given)
+    is_toml = path.suffix == ".toml" and path.is_file()
+    return read_wall_or_house(path) if is_toml else load_wall(given)

@@ -1,7 +1,7 @@
 """The layout of a house: those of its walls, laid out each as by itself, put together in space.
 
 Its x is that of the walls unfolded side by side in their order, so that all that draws or measures
-a wall in its plane reads it; its `space` says where bodies and contact points are in plan.
+a wall in its plane reads it.
 
 A concrete floor is one body of the first of its walls, in place of the strips that each would have
 by itself.  Anchored joists and ties are elastic bars between bricks of two walls, without stiffness
@@ -16,13 +16,14 @@ import numpy as np
 from damage.errors import InputError
 from damage.fields import MOST_SEED
 from damage.house.corners import joined_at, makes_room_for, with_loads
-from damage.house.house import outline
+from damage.house.house import House, outline
+from damage.house.limits import OF_MODELS, refuse
 from damage.house.meeting import check_plan
 from damage.house.space import (
     SHARES,
     THROUGH,
+    HouseLayout,
     Points,
-    Space,
     boxes,
     concatenated,
     placed,
@@ -42,8 +43,15 @@ JOIST_PA, JOIST_M2 = 9e9, 0.075 * 0.2
 """Modulus of the timber of anchored joists, C18 of EN 338, and their section."""
 
 
+def lay_out_building(building, options=None, *, scatter=0.0, seed=0):
+    """The Layout of a damage.Wall, or the HouseLayout of a House; arguments and errors as of
+    `damage.wall.layout.lay_out`."""
+    lay = lay_out_house if isinstance(building, House) else lay_out
+    return lay(building, options, scatter=scatter, seed=seed)
+
+
 def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
-    """The Layout of a House with its `space`; arguments as of `damage.wall.layout.lay_out`.
+    """The HouseLayout of a House; arguments as of `damage.wall.layout.lay_out`.
 
     The first wall has the strengths of that wall by itself, of the same seed; those of joints at
     corners do not scatter.  Raises InputError, with the place, of walls that do not meet at their
@@ -64,15 +72,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     ]
     parts = list(map(_below_slab, parts))
     options = parts[0].options
-    for what, refused in (
-        ("--bricks deformable", options.bricks != "rigid"),
-        ("--soil", options.soil != "rigid"),
-    ):
-        if refused:
-            raise InputError(
-                f"house {house.name} with {what}: expected rigid bricks on rigid ground; leave it"
-                " out"
-            )
+    refuse(f"house {house.name}", OF_MODELS, options, "rigid bricks on rigid ground")
     layout = _together(house, parts)
     for floor in house.floors:
         if floor.kind == "concrete":
@@ -89,7 +89,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
 
 
 def _together(house, parts):
-    """The Layout of walls beside each other, with three contact points through the thickness."""
+    """The HouseLayout of walls beside each other, three contact points through the thickness."""
     lengths = np.array([part.wall.length for part in parts])
     left = np.append(0.0, np.cumsum(lengths + GAP_M))[:-1]
     first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
@@ -150,34 +150,35 @@ def _together(house, parts):
     if one:
         supports = Supports(np.array([0.0]), left[-1:] + lengths[-1:])
         ground = ground[0].min(keepdims=True), ground[1].max(keepdims=True)
-    space = Space(
-        house,
-        left,
-        [new[part.drift_bodies + offset] for part, offset in zip(parts, first_body)],
-        np.array([part.drift_height for part in parts]),
-        *ground,
-        wall,
-        _across_inertia(body, thickness),
-        np.zeros(len(body)),
-        np.full(len(body), thickness),
-        joint_wall,
-        y,
-        placed(house, left, joint_wall, local),
-        axes,
-        half,
-    )
-    return replace(
-        parts[0],
+    drift_bodies = [new[part.drift_bodies + offset] for part, offset in zip(parts, first_body)]
+    drift_heights = np.array([part.drift_height for part in parts])
+    return HouseLayout(
         wall=house.masonry,
+        plan=parts[0].plan,
+        options=parts[0].options,
         bodies=body,
         cells=Cells(*np.zeros((3, 0))),
         contacts=table,
         n_bricks=int((~is_other).sum()),
         n_joints=3 * int((~is_glue).sum()),
-        drift_bodies=np.concatenate(space.drift_bodies),
-        drift_height=float(space.drift_height.mean()),
+        drift_bodies=np.concatenate(drift_bodies),
+        drift_height=float(drift_heights.mean()),
         supports=supports,
-        space=space,
+        house=house,
+        left=left,
+        wall_drift_bodies=drift_bodies,
+        drift_heights=drift_heights,
+        ground_left=ground[0],
+        ground_right=ground[1],
+        body_wall=wall,
+        across_inertia=_across_inertia(body, thickness),
+        offset=np.zeros(len(body)),
+        depth=np.full(len(body), thickness),
+        joint_wall=joint_wall,
+        y=y,
+        place=placed(house, left, joint_wall, local),
+        axes=axes,
+        reach=half,
     )
 
 
@@ -215,14 +216,13 @@ def _below_slab(part):
 
 
 def _with_slab(layout, floor):
-    """The Layout with the strips of a concrete floor as one body."""
-    space, bodies, contacts = layout.space, layout.bodies, layout.contacts
-    house = space.house
+    """The HouseLayout with the strips of a concrete floor as one body."""
+    bodies, contacts, house = layout.bodies, layout.contacts, layout.house
     walls = house.carrying(floor)
     strip = Floor(floor.level, 1.0, kind="concrete", depth=floor.depth)
     z = sum(strip.courses(walls[0].wall)) / 2 * layout.wall.brick.height
     strips = (bodies.course == SLAB_COURSE) & (np.abs(bodies.z - z) < TINY)
-    strips &= np.isin(space.wall, [house.walls.index(one) for one in walls])
+    strips &= np.isin(layout.body_wall, [house.walls.index(one) for one in walls])
     slab, number = np.flatnonzero(strips)[0], house.walls.index(walls[0])
     low, high = outline(walls)
     length, across = high - low
@@ -230,7 +230,7 @@ def _with_slab(layout, floor):
     height = bodies.height[slab]
     mass = floor.mass_per_area * length * across
     own = {
-        "x": x + space.left[number],
+        "x": x + layout.left[number],
         "length": length,
         "mass": mass,
         "inertia": mass * (length**2 + height**2) / 12,
@@ -239,31 +239,32 @@ def _with_slab(layout, floor):
     of = {"offset": y, "depth": across, "across_inertia": mass * sizes / 12}
 
     def put(table, values):
-        found = {name: getattr(table, name).copy() for name in values}
+        columns = {name: getattr(table, name).copy() for name in values}
         for name, value in values.items():
-            found[name][slab] = to_bits(value)
-        return replace(table, **found)
+            columns[name][slab] = to_bits(value)
+        return columns
 
     body = np.where(strips, slab, np.arange(len(bodies)))
     first = np.where(contacts.first < 0, contacts.first, body[contacts.first])
     contacts = replace(contacts, first=first, second=body[contacts.second])
-    layout = replace(layout, bodies=put(bodies, own), contacts=contacts, space=put(space, of))
+    bodies = replace(bodies, **put(bodies, own))
+    layout = replace(layout, bodies=bodies, contacts=contacts, **put(layout, of))
     strips[slab] = False
     return without(layout, strips)
 
 
 def _check_slabs(layout):
     """Raise InputError for bodies in the way of a concrete floor."""
-    space, house = layout.space, layout.space.house
-    for slab in np.flatnonzero(space.depth > layout.wall.brick.thickness + TINY):
-        low, high = boxes(layout, space.wall[slab])
+    house = layout.house
+    for slab in np.flatnonzero(layout.depth > layout.wall.brick.thickness + TINY):
+        low, high = boxes(layout, layout.body_wall[slab])
         common = np.minimum(high, high[slab]) - np.maximum(low, low[slab])
         for body in np.flatnonzero((common > TINY).all(axis=1)):
             if body != slab:
-                place = space.centres(layout.bodies)[body]
+                place = layout.centres[body]
                 raise InputError(
                     f"house {house.name}, floor at {high[slab, 2]:g} m: wall"
-                    f" {house.names[space.wall[body]]} is in its way at"
+                    f" {house.names[layout.body_wall[body]]} is in its way at"
                     f" ({place[0]:.3f}, {place[1]:.3f}, {place[2]:.3f}) m: expected it among the"
                     " floor's walls, or a wall that ends below; correct it"
                 )
@@ -278,7 +279,7 @@ def _with_bars(layout):
             span, share, z, *_ = bars[0]
             x, y = span.at(share)[0]
             raise InputError(
-                f"house {layout.space.house.name}, {what}: nowhere are there bricks of both, as at"
+                f"house {layout.house.name}, {what}: nowhere are there bricks of both, as at"
                 f" ({x:.3f}, {y:.3f}, {z:.3f}) m: expected leaves beside each other; correct them"
             )
         found += ends
@@ -301,7 +302,7 @@ def _with_bars(layout):
 def _bars(layout):
     """(words of what has to be somewhere, [(Span, share of it, height [m], stiffness [N/m],
     strength in tension and compression [N])]) of each floor and of all Ties."""
-    house, height, found = layout.space.house, layout.wall.brick.height, []
+    house, height, found = layout.house, layout.wall.brick.height, []
     for floor in house.floors:
         z = (round(floor.level / height) - 0.5) * height
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
@@ -318,12 +319,12 @@ def _bars(layout):
 def _bar(layout, span, share, z):
     """[(both bodies, place and axes of the bar)] at this share of a Span and height [m], none where
     it ends in an opening."""
-    space, bodies, found = layout.space, layout.bodies, []
+    bodies, found = layout.bodies, []
     on_course = (np.abs(bodies.z - z) < bodies.height / 2 + TINY) & (bodies.course != SLAB_COURSE)
     for wall, along in zip((span.one, span.other), span.along_at(share)):
-        number = space.house.walls.index(wall)
-        away = np.abs(bodies.x - space.left[number] - along) - bodies.length / 2
-        found.append(np.flatnonzero(on_course & (space.wall == number) & (away < TINY)))
+        number = layout.house.walls.index(wall)
+        away = np.abs(bodies.x - layout.left[number] - along) - bodies.length / 2
+        found.append(np.flatnonzero(on_course & (layout.body_wall == number) & (away < TINY)))
     if not (len(found[0]) and len(found[1])):
         return []
     ends = np.insert(span.at(share), 2, z, axis=1)

@@ -38,18 +38,14 @@ def check_plan(house):
             )
 
 
-def warn_of_lone_walls(house):
-    """Warning of walls of a House that no corner, floor or tie joins to another: a list of at most
-    one line."""
-    parts = [part.walls for part in (*house.corners, *house.floors, *house.ties)]
-    alone = [
-        name for name in house.names if not any(name in part and len(part) > 1 for part in parts)
-    ]
-    if not alone or len(house.walls) == 1:
+def warn_of_lone_walls(building):
+    """Warning of walls of a House that nothing joins to another: a list of at most one line, none
+    of a damage.Wall."""
+    if not building.lone_walls:
         return []
     return [
-        f"house {house.name}: no corner, floor or tie joins {', '.join(alone)} to another wall; add"
-        " it, unless they stand by themselves"
+        f"house {building.name}: no corner, floor or tie joins {', '.join(building.lone_walls)} to"
+        " another wall; add it, unless they stand by themselves"
     ]
 
 

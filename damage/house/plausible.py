@@ -10,7 +10,7 @@ unit turns another value into zero.
 
 from damage.errors import InputError
 from damage.fields import implausible_fields, message_of, plausible, ranges_of
-from damage.house.house import Diaphragm, House
+from damage.house.house import Diaphragm
 from damage.house.ties import Ties
 from damage.wall.floors import Floor
 from damage.wall.lintels import Lintel
@@ -31,16 +31,12 @@ RANGES = {
 def check_plausible(wall):
     """Raise InputError, in one line, where a damage.Wall, or House, has values that masonry does
     not have."""
-    what = "wall"
-    if isinstance(wall, House):
-        what = "house"
-        for one in wall.walls:
-            check_plausible(one.wall)
-    if found := implausible(wall):
-        raise InputError(
-            f"{what} {wall.name}: {'; '.join(found)}. Correct the unit, or accept all values as"
-            f" given: {ACCEPT}"
-        )
+    for part in (*wall.each_wall, wall):
+        if problems := implausible(part):
+            raise InputError(
+                f"{part.KIND} {part.name}: {'; '.join(problems)}. Correct the unit, or accept all"
+                f" values as given: {ACCEPT}"
+            )
 
 
 def implausible(wall):
@@ -50,21 +46,5 @@ def implausible(wall):
     >>> implausible(Wall("w", 2.0, 1.0, joint=Joint(tensile_strength=0.1, cohesion=0.0)))
     ['Joint.tensile_strength = 0.1 Pa, expected 1000 to 1e7 Pa, or 0: 0.1 MPa is 0.1e6 Pa']
     """
-    if isinstance(wall, House):
-        return implausible_fields(*wall.floors, *wall.ties)
-    records = (
-        wall,
-        *wall.openings,
-        *wall.floors,
-        wall.brick,
-        wall.joint,
-        wall.lintel,
-        *(opening.lintel for opening in wall.openings if opening.lintel),
-    )
-    spans = [(floor.mass, *floor.span(wall)) for floor in wall.floors]
-    loads = (
-        message_of(PER_LENGTH, mass / (right - left), _PER_LENGTH)
-        for mass, left, right in spans
-        if mass
-    )
-    return list(dict.fromkeys([*implausible_fields(*records), *filter(None, loads)]))
+    loads = (message_of(PER_LENGTH, load, _PER_LENGTH) for load in wall.line_loads)
+    return list(dict.fromkeys([*implausible_fields(*wall.records), *filter(None, loads)]))

@@ -1,7 +1,8 @@
 """Natural modes of a wall with intact joints, and the critical time step of central differences.
 
 Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and
-behind them the strain modes where bricks deform, or those out of the plane (`Space.rows`).  A
+behind them the strain modes where bricks deform, or those out of the plane
+(`HouseLayout`).  A
 contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z + rotation r_x), and
 by the strain modes' displacements there.
 """
@@ -47,41 +48,6 @@ class Modes:
     masonry_time_step_s: float
 
 
-def contact_normals(contacts):
-    """Unit normals (n_contacts, 2) from first to second: +x across head joints, +z else."""
-    head = contacts.upright
-    return np.column_stack([head, ~head]).astype(float)
-
-
-def kinematic_rows(layout, directions):
-    """What a unit of each coordinate of the first and the second body of each contact adds to the
-    relative displacement of second to first along `directions`, (2, n_contacts, coordinates); zero
-    on the ground.  Directions are the normals or the tangents where bricks deform."""
-    contacts, bodies, strain = layout.contacts, layout.bodies, layout.strain
-    coordinates = 3 + (strain.n_modes if strain else 0)
-    found = np.zeros((2, len(contacts), coordinates))
-    across = np.any(directions * contact_normals(contacts), axis=1)
-    for rows, body, shape, sign in (
-        (found[0], contacts.first, strain and strain.first, -1.0),
-        (found[1], contacts.second, strain and strain.second, 1.0),
-    ):
-        moving = np.flatnonzero(body >= 0)
-        index = body[moving]
-        rx, rz = contacts.x[moving] - bodies.x[index], contacts.z[moving] - bodies.z[index]
-        dx, dz = directions[moving].T
-        by_modes = (
-            ()
-            if strain is None
-            else np.where(
-                across[moving, None],
-                strain.shapes[shape[moving], 0],
-                strain.shapes[shape[moving], 1],
-            ).T
-        )
-        rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
-    return found
-
-
 def inside_lintels(layout):
     """Which contact points join two segments of a lintel's beam, which stay elastic: (n_contacts,)
     of bool."""
@@ -94,11 +60,8 @@ def joint_stiffness(layout, factors=(1.0, 1.0), of=slice(None)):
     """Stiffness of contact points [N/m, N, N m], times factors across and along each, as Blocks;
     of: which, all by default."""
     contacts = layout.contacts
-    normals, ends = contact_normals(contacts), np.stack([contacts.first, contacts.second])
-    if layout.space:
-        rows = [layout.space.rows(contacts, layout.bodies, axis) for axis in range(3)]
-    else:
-        rows = [kinematic_rows(layout, directions) for directions in (normals, normals[:, ::-1])]
+    rows = layout.directions
+    ends = np.stack([contacts.first, contacts.second])
     across, along = contacts.normal_stiffness, contacts.shear_stiffness
     weights = [
         (factor * (stiffness * contacts.area))[of]
@@ -122,7 +85,7 @@ def _stiffness(layout, free, massless=0.0, of=slice(None)):
     """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on
     the diagonal; of: which contact points."""
     joints = joint_stiffness(layout, of=of)
-    own = np.zeros((len(layout.bodies), 6 if layout.space else 3))
+    own = np.zeros(layout.rigid_mass.shape)
     free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
         top = top_of(layout.wall)
@@ -141,10 +104,7 @@ def _of_bearing(layout, stiffness):
 def mass_vector(layout):
     """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of
     strain modes that a body does not have, and of coordinates that restraints hold."""
-    bodies, strain = layout.bodies, layout.strain
-    rigid = np.where(layout.held, 0.0, np.column_stack([bodies.mass, bodies.mass, bodies.inertia]))
-    if layout.space:
-        rigid = np.column_stack([rigid, bodies.mass, layout.space.across_inertia])
+    rigid, strain = layout.rigid_mass, layout.strain
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
 
 
@@ -166,11 +126,6 @@ def _static_displacement(layout, weighing):
 def elastic_key(layout):
     """Digest of all that masses and stiffnesses of a layout's intact wall depend on."""
     bodies, contacts = layout.bodies, layout.contacts
-    strain = (
-        ()
-        if layout.strain is None
-        else (layout.strain.mass, layout.strain.stiffness, layout.strain.shapes)
-    )
     arrays = (
         *vars(bodies).values(),
         contacts.kind,
@@ -182,8 +137,7 @@ def elastic_key(layout):
         contacts.normal_stiffness,
         contacts.shear_stiffness,
         layout.drift_bodies,
-        *strain,
-        *((layout.space.place, layout.space.axes) if layout.space else ()),
+        *layout.elastic_arrays,
     )
     return hashlib.sha256(b"|".join(values.tobytes() for values in arrays)).digest()
 
@@ -267,7 +221,7 @@ def first_mode(layout):
     products alone."""
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     factor, shape = factorised(_stiffness(layout, mass > 0, massless=1.0)), np.zeros(mass.shape)
-    shape[:, [0, 3] if layout.space else 0] = 1.0
+    shape[:, layout.HORIZONTAL] = 1.0
     for _ in range(_MOST_ITERATIONS):
         before, shape = shape, _scaled(factor.solve(mass * shape), layout)
         if np.abs(shape - before).max() <= _CONVERGED * np.abs(shape).max():
@@ -277,7 +231,7 @@ def first_mode(layout):
 
 def _scaled(shape, layout):
     """The shape (n_bodies, coordinates) of a mode as of Modes."""
-    moves = shape[:, [0, 1, 3]] if layout.space else shape[:, :2]
+    moves = shape[:, layout.TRANSLATIONS]
     sizes, top = np.abs(moves), shape[layout.drift_bodies, 0].mean()
     # the sign is that of the first one, so that no tie decides
     large = moves[sizes >= sizes.max() / 2]

@@ -24,7 +24,7 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     wall, plan, options = layout.wall, layout.plan, layout.options
     lintels = describe_lintels(plan)
     own = "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
-    replaced = [text for one in _walls_of(layout) for text in replaced_lintels(one, options.lintel)]
+    replaced = [text for one in layout.walls for text in replaced_lintels(one, options.lintel)]
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
         (
@@ -56,7 +56,7 @@ def masonry_lines(layout):
     """Lines about the joints and bricks of a wall, of a house with the names of its walls where
     these differ."""
     found = {}
-    for wall in _walls_of(layout):
+    for wall in layout.walls:
         lines = (
             describe_joint(wall.joint, layout.options.strength_cov),
             describe_brick(wall.brick, layout.options),
@@ -67,13 +67,6 @@ def masonry_lines(layout):
         for lines, names in found.items()
         for line in lines
     ]
-
-
-def _walls_of(layout):
-    """The wall of a Layout, or those of its house, a list of damage.Wall."""
-    if layout.space:
-        return [one.wall for one in layout.space.house.walls]
-    return [layout.wall]
 
 
 def describe_sampling(loading):

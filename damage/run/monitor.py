@@ -162,18 +162,17 @@ def unbalanced_force(layout, on_bodies, in_contacts):
 
 
 class BaseMotion:
-    """Rigid motion of the base course of a damage.wall.layout.Layout, or of these bodies of it,
-    below a drift of this height [m]."""
+    """Rigid motion of the base course of a wall of a damage.wall.layout.Layout, one of its
+    `bases`: these bodies, below a drift of this height [m]."""
 
-    def __init__(self, layout, rows=None, drift_height=None):
+    def __init__(self, layout, rows, drift_height):
         bodies = layout.bodies
-        self._rows = np.flatnonzero(bodies.course == 0) if rows is None else rows
+        self._rows = rows
         x = bodies.x[self._rows]
         weight = bodies.length[self._rows] / bodies.length[self._rows].sum()
         arm = x - np.sum(weight * x)
         self._mean, self._slope = weight, weight * arm / max(np.sum(weight * arm**2), 1e-12)
-        height = layout.drift_height if drift_height is None else float(drift_height)
-        self._up = height - float(bodies.z[self._rows].mean())
+        self._up = drift_height - float(bodies.z[self._rows].mean())
 
     def of(self, motion):
         """Mean horizontal displacement (n,) [m] and rotation from x towards z (n,) [rad] of the
@@ -194,12 +193,3 @@ class BaseMotion:
         """Horizontal displacement (n,) [m] of the wall's top by this rigid motion."""
         translation, rotation = self.of(motion)
         return translation - sin(rotation) * self._up
-
-
-def base_motions(layout):
-    """The BaseMotion of each wall of a house."""
-    base, space = layout.bodies.course == 0, layout.space
-    return [
-        BaseMotion(layout, np.flatnonzero(base & (space.wall == number)), height)
-        for number, height in enumerate(space.drift_height)
-    ]

@@ -72,9 +72,7 @@ class Run:
         # (velocities in each interval, what moves by them, first interval)
         self.base, self._prescribed = NO_MOTION, []
         moves = settings.ground_moves or bool(state and state["base_moves"])
-        space = layout.space
-        self._base_motion = monitor.BaseMotion(layout) if moves and not space else None
-        self._base_motions = monitor.base_motions(layout) if moves and space else ()
+        self._base_motions = [monitor.BaseMotion(layout, *base) for base in layout.bases if moves]
         self._zero = None  # instant at the end of the static stage
         # at time zero; energy that came in with it
         self._modal_velocity, self._set_in_motion_j = None, 0.0
@@ -106,10 +104,10 @@ class Run:
     def index(self):
         """The damage index now."""
         now = self.solver.instants()
-        drift = self._drift(self._motion(now))[-1]
+        _, drift = self._top_and_drift(self._motion(now))
         return monitor.index_now(
             self.layout,
-            drift,
+            drift[-1],
             now.joints,
             now.contacts["opening_m"][-1],
             now.contacts["offset_m"][-1],
@@ -187,7 +185,7 @@ class Run:
             self.settings.settlement,
         )
         self.base = schedule.base_acceleration(
-            self.settings, self.stages, solver.time_step, self.layout.space is not None
+            self.settings, self.stages, solver.time_step, self.layout.MOTION_AXES
         )
         speed = drive.first_mode_m_s
         self._modal_velocity = (
@@ -243,7 +241,7 @@ class Run:
 
     def _take_hold(self):
         drive = self.settings.loading.drive
-        if drive.floor_shares or (drive.top and self.layout.space):
+        if drive.floor_shares or (drive.top and self.layout.IN_SPACE):
             self.solver.spread(self.layout.push_shares(drive.floor_shares))
         elif drive.top:
             self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)
@@ -461,13 +459,14 @@ class Run:
         """Write one sample after the other of everything (Instants), and prescribe the next
         velocities; False where the run has to end, with the last one that is written."""
         time_s, motion = (now.clock - self._zero_step) * self.solver.time_step, self._motion(now)
-        base, top = self._base_at(now.clock), self._top(motion)
+        base = self._base_at(now.clock)
+        top, drift = self._top_and_drift(motion)
         rows = {
             "time_s": time_s,
             "base_acceleration_x_m_s2": base[:, 0],
             "base_acceleration_z_m_s2": base[:, 1],
             "top_displacement_m": top,
-            "drift_ratio": self._drift(motion, top),
+            "drift_ratio": drift,
             **self._base_rows(motion),
             "base_shear_n": now.support_force[:, :, 0].sum(axis=1),
             **self._energies(now, motion),
@@ -499,7 +498,7 @@ class Run:
         """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
         first n Instants."""
         if not self.settings.new_contacts:
-            if self._base_motion is not None or self._base_motions:
+            if self._base_motions:
                 # with the ground, of this run or of one before, no brick has fallen
                 lowest = (now.support_displacement - self._zero.support_displacement)[
                     : len(motion), :, 1
@@ -559,10 +558,12 @@ class Run:
             "ground/force": now.support_force,
         }
         if now.out_of_plane is not None:
-            found["house/top_displacement_m"] = self._tops(self._motion(now))
+            motion = self._motion(now)
+            tops = self.layout.tops(motion) - self._tops_by_base(motion)
+            found["house/top_displacement_m"] = tops
             across = now.out_of_plane - self._zero.out_of_plane
-            found["house/across_m"] = self.layout.space.across(across)
-            found["house/top_across_m"] = self.layout.space.tops(across)
+            found["house/across_m"] = self.layout.across(across)
+            found["house/top_across_m"] = self.layout.tops(across)
             found["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
             found["house/failed_ties"] = now.failed_ties
         if now.joint_stress_pa is not None:
@@ -609,42 +610,23 @@ class Run:
         rad]."""
         return now.displacement - self._zero.displacement
 
-    def _top(self, motion):
-        """Mean displacement of the top course over the piers (n,) [m], in a house of the wall whose
-        drift is the largest; motion: `_motion`."""
-        if self.layout.space:
-            tops, heights = self._tops(motion), self.layout.space.drift_height
-            largest = np.abs(tops / heights).argmax(axis=1)
-            # of a height that all drifts are over
-            return (tops / heights)[np.arange(len(tops)), largest] * self.layout.drift_height
-        top = motion[:, :, 0].take(self.layout.drift_bodies, axis=1)
-        return np.add.reduce(top, axis=1) / top.shape[1]
+    def _top_and_drift(self, motion):
+        """Displacement of the top [m] and drift ratio [-], both (n,), the latter without the rigid
+        motion of a base on ground that moves; motion: `_motion`."""
+        return self.layout.top_and_drift(self.layout.tops(motion), self._tops_by_base(motion))
 
-    def _tops(self, motion):
-        """Displacement along each wall of a house of its top (n, n_walls) [m], without the rigid
-        motion of its base on ground that moves."""
-        tops = self.layout.space.tops(motion)
-        for number, base in enumerate(self._base_motions):
-            tops[:, number] -= base.at_top(motion)
-        return tops
-
-    def _drift(self, motion, top=None):
-        """Drift ratio (n,) [-], without the rigid motion of a base on ground that moves; top:
-        `_top`, where known."""
-        top = self._top(motion) if top is None else top
-        return (
-            top if self._base_motion is None else top - self._base_motion.at_top(motion)
-        ) / self.layout.drift_height
+    def _tops_by_base(self, motion):
+        """Displacement of each wall's top by the rigid motion of its base (n, n_walls) [m], zero on
+        ground that rests."""
+        if not self._base_motions:
+            return np.zeros((len(motion), len(self.layout.walls)))
+        return np.column_stack([base.at_top(motion) for base in self._base_motions])
 
     def _base_rows(self, motion):
-        """Rigid motion of the base where the ground moves, {column of the series: (n,)}."""
-        return (
-            {}
-            if self._base_motion is None
-            else dict(
-                zip(("base_translation_m", "base_rotation_rad"), self._base_motion.of(motion))
-            )
-        )
+        """Rigid motion of the base of a plane wall where the ground moves, {column of the series:
+        (n,)}."""
+        of_first = self._base_motions[0].of(motion) if self._base_motions else ()
+        return dict(zip(self.layout.BASE_COLUMNS, of_first))
 
     def _base_at(self, clock):
         """Acceleration of the base in these steps, (n, 2) [m/s2]."""

@@ -216,9 +216,9 @@ def check_size(settings, layout, time_step):
         )
 
 
-def base_acceleration(settings, schedule, time_step, with_across=False):
+def base_acceleration(settings, schedule, time_step, axes=2):
     """Base acceleration of every step since the end of the static stage along x and z, (n_steps, 2)
-    [m/s2], up to the last motion's end; none where the base is not accelerated.  With across,
+    [m/s2], up to the last motion's end; none where the base is not accelerated.  Of three axes
     along x, z and the other horizontal direction, (n_steps, 3).
 
     Each event is its motion times its factor, rounded (`damage.rounded`).
@@ -231,7 +231,7 @@ def base_acceleration(settings, schedule, time_step, with_across=False):
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
         base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
-    if not with_across:
+    if axes == 2:
         return base
     other = np.zeros(len(base))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):

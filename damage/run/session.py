@@ -18,8 +18,7 @@ from damage.history.reader import read_history
 from damage.history.writer import HistoryWriter, check_output
 from damage.house.coarser import in_units
 from damage.house.drawn import drawn, ranges
-from damage.house.house import House, masonry_of
-from damage.house.layout import lay_out_house
+from damage.house.layout import lay_out_building
 from damage.house.meeting import warn_of_lone_walls
 from damage.linear.modes import Modes, natural_modes
 from damage.measure.energy import ENERGY_FAILURE
@@ -42,7 +41,7 @@ from damage.run.schedule import check_size, check_top, deformable_warnings, soft
 from damage.run.scheme import check_energy, scaling_warnings, schemes
 from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
-from damage.wall.layout import Layout, lay_out
+from damage.wall.layout import Layout
 from damage.wall.soil import fastest_decay
 
 
@@ -177,9 +176,8 @@ class RunPlan:
             "eigen_period_s": period_s,
             "pier_stress_pa": self.layout.pier_stress,
             **applied_measures(loading.applied(), period_s, loading.applied_across()),
+            **self.layout.house_parameters,
         }
-        if self.layout.space:
-            found["house"] = self.layout.space.as_dict()
         return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
 
     def past(self):
@@ -259,42 +257,17 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
 def check(backend, wall, settings):
     """RunSettings with what this solver adds to them for this wall; raises InputError where they do
     not go together."""
-    if isinstance(wall, House):
-        check_house(backend, settings, wall)
+    wall.check_run(settings)
     settings.check_plausible(wall)
-    wall = masonry_of(wall)
-    settings = settings.for_joint(wall.joint, backend.softening_beta_s)
-    backend.check(settings, wall)
+    settings = settings.for_joint(wall.masonry.joint, backend.softening_beta_s)
+    for one in wall.each_wall:
+        backend.check(settings, one)
     return settings
-
-
-def check_house(backend, settings, house):
-    """Raise InputError where a run of a House is asked for what runs in the plane of a wall
-    alone."""
-    for placed in house.walls[1:]:
-        backend.check(settings, placed.wall)
-    drive = settings.loading.drive
-    for what, given in (
-        ("displacements of supports", drive.supports),
-        (
-            "a pushed top that may not rotate freely",
-            drive.top and (not drive.top_rotates or drive.top_stiffness),
-        ),
-        ("joints without bond", settings.joints_without_bond),
-        ("--after-fall", settings.after_fall),
-        ("--new-contacts", settings.new_contacts),
-        ("--mass-scaling", settings.scales),
-    ):
-        if given:
-            raise InputError(
-                f"house {house.name} with {what}: expected a motion of the base, a push,"
-                " settlement, or free vibration, alone; leave it out"
-            )
 
 
 def output_of(backend, wall, settings):
     """Path of the history; raises InputError where it, or its pictures, cannot be written."""
-    out = settings.out or free_name(masonry_of(wall), settings, backend.name)
+    out = settings.out or free_name(wall.masonry, settings, backend.name)
     if not settings.resumed:
         check_output(out, settings.overwrite)
         if settings.pictures:
@@ -308,7 +281,7 @@ def plan_of(backend, wall, settings):
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    options = schemes(settings, masonry_of(wall), modes, fastest_decay(layout))
+    options = schemes(settings, wall.masonry, modes, fastest_decay(layout))
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
@@ -347,8 +320,7 @@ def _opened(plan, state, parameters, out, write):
 def _laid_out(wall, settings):
     """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit
     it are refused."""
-    lay = lay_out_house if isinstance(wall, House) else lay_out
-    layout = lay(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    layout = lay_out_building(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
     if settings.joints_without_bond:
         layout = without_bond(layout, settings.joints_without_bond.joints(layout))
     if settings.settlement:
@@ -379,8 +351,7 @@ def announce(plan):
             ),
             code="softening_step",
         )
-    if plan.layout.space:
-        warn(*warn_of_lone_walls(plan.layout.space.house), code="lone_walls")
+    warn(*warn_of_lone_walls(plan.layout.building), code="lone_walls")
     lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
     print(
         *lines,

@@ -42,30 +42,6 @@ def slide_limits(first, second, upright, bodies):
     )
 
 
-def places_of(layout):
-    """Places and normals of the contact points in the plane of the wall of each of their two bodies
-    (2, n_contacts, 3), x along it, y through its thickness and z upwards [m], of a house as
-    unfolded; and the distance (n_contacts,) [m] from there to the inside of both bodies."""
-    contacts, bodies, cells, space = layout.contacts, layout.bodies, layout.cells, layout.space
-    if space is None:
-        nothing, upright = np.zeros(len(contacts)), contacts.upright
-        place = np.column_stack([contacts.x, nothing, contacts.z])
-        normal = np.column_stack([upright, nothing, ~upright]).astype(float)
-        width = cells.right - cells.left
-        narrow = np.minimum(width[contacts.first_cell], width[contacts.second_cell])
-        reach = np.where(upright, narrow, layout.wall.brick.height) / 2
-        return np.stack([place] * 2), np.stack([normal] * 2), reach
-    places, normals = [], []
-    for body in (contacts.first, contacts.second):
-        of = np.maximum(body, 0)
-        centre = space.unfolded(bodies)[of]
-        ground = (body < 0)[:, None]
-        places.append(np.where(ground, space.place, centre + space.arms(bodies, of)))
-        turned = np.einsum("nij,nj->ni", space.of_body[of], space.axes[:, 0])
-        normals.append(np.where(ground, space.axes[:, 0], turned))
-    return np.stack(places), np.stack(normals), space.reach
-
-
 class ContactKinematics:
     """Opening and shear of the contacts of a layout, all of them or those of `select`."""
 

@@ -15,6 +15,7 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 
@@ -41,6 +42,7 @@ from damage.wall.kinds import (
     SLAB_COURSE,
     TINY,
 )
+from damage.wall.kinematics import slide_limits
 from damage.wall.lintels import mass_per_length
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
@@ -102,6 +104,12 @@ class Supports:
         return (self.left + self.right) / 2
 
 
+def contact_normals(contacts):
+    """Unit normals (n_contacts, 2) from first to second: +x across head joints, +z else."""
+    head = contacts.upright
+    return np.column_stack([head, ~head]).astype(float)
+
+
 @dataclass(frozen=True)
 class Layout:
     """A wall laid out under given options.
@@ -114,9 +122,20 @@ class Layout:
     drift_bodies: bricks of the plan's drift course whose centres stand over piers; drift_height [m]
     of them.
     supports: below the base.
-    strain: of the bricks where they deform, else None; space: `damage.house.space.Space` of a
-    house, None of a plane wall.
+    strain: of the bricks where they deform, else None.
+
+    Class variables say how it differs from that of a house (`damage.house.space.HouseLayout`):
+    IN_SPACE, whether bodies move out of the plane of their wall; HORIZONTAL and TRANSLATIONS,
+    numbers of coordinates; SHEAR, type of a shear displacement; MOTION_AXES, components of the
+    motion of the base; BASE_COLUMNS, of the rigid motion of the base in a history.
     """
+
+    IN_SPACE: ClassVar = False
+    HORIZONTAL: ClassVar = (0,)
+    TRANSLATIONS: ClassVar = (0, 1)
+    SHEAR: ClassVar = float
+    MOTION_AXES: ClassVar = 2
+    BASE_COLUMNS: ClassVar = ("base_translation_m", "base_rotation_rad")
 
     wall: Wall
     plan: Plan
@@ -130,7 +149,6 @@ class Layout:
     drift_height: float
     supports: Supports
     strain: Strain | None = None
-    space: object = None
 
     @property
     def n_below_caps(self):
@@ -152,8 +170,132 @@ class Layout:
 
     @property
     def ground(self):
-        """Supports by their places along a settlement: along the wall, or a house's heading."""
-        return self.space.ground if self.space else self.supports
+        """Supports by their places along a settlement."""
+        return self.supports
+
+    @property
+    def building(self):
+        """The damage.Wall, or House, that is laid out."""
+        return self.wall
+
+    @property
+    def walls(self):
+        """The damage.Walls that are laid out."""
+        return [self.wall]
+
+    @property
+    def placing(self):
+        """{group of a history: arrays} of where walls and contact points are in a house."""
+        return {}
+
+    @property
+    def house_parameters(self):
+        """{"house": parameters of a house, for files}."""
+        return {}
+
+    def of_contacts(self, values):
+        """Value of each contact point (n_contacts,) of those of the walls."""
+        return np.full(len(self.contacts), values[0])
+
+    def inner(self, joints):
+        """Contact points beside these, towards the middle of the thickness."""
+        return np.zeros(0, int)
+
+    def box(self, body):
+        """Centre (x, y, z) and size of a body (3,) [m]."""
+        bodies = self.bodies
+        centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
+        return centre, np.array(
+            [bodies.length[body], self.wall.brick.thickness, bodies.height[body]]
+        )
+
+    @property
+    def places(self):
+        """Places and normals of the contact points in the wall of each of their two bodies (2,
+        n_contacts, 3), x along it, y through its thickness and z upwards [m]; and the distance
+        (n_contacts,) [m] from there to the inside of both bodies."""
+        contacts, cells = self.contacts, self.cells
+        nothing, upright = np.zeros(len(contacts)), contacts.upright
+        place = np.column_stack([contacts.x, nothing, contacts.z])
+        normal = np.column_stack([upright, nothing, ~upright]).astype(float)
+        width = cells.right - cells.left
+        narrow = np.minimum(width[contacts.first_cell], width[contacts.second_cell])
+        reach = np.where(upright, narrow, self.wall.brick.height) / 2
+        return np.stack([place] * 2), np.stack([normal] * 2), reach
+
+    @property
+    def slide_limits(self):
+        """Shear displacements between which the faces of each contact point's joint overlap, least
+        and most (2, n_contacts) [m]."""
+        contacts = self.contacts
+        return np.array(
+            slide_limits(contacts.first, contacts.second, contacts.upright, self.bodies)
+        )
+
+    @property
+    def rigid_mass(self):
+        """Mass and inertia of the bodies' rigid coordinates (n_bodies, 3), zero of those that
+        restraints hold [kg, kg, kg m2]."""
+        bodies = self.bodies
+        mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
+        return np.where(self.held, 0.0, mass)
+
+    @property
+    def directions(self):
+        """`kinematic_rows` across and along all contact points, a list."""
+        normals = contact_normals(self.contacts)
+        return [self.kinematic_rows(normals), self.kinematic_rows(normals[:, ::-1])]
+
+    def kinematic_rows(self, directions):
+        """What a unit of each coordinate of the first and the second body of each contact adds to
+        the relative displacement of second to first along `directions` (n_contacts, 2), (2,
+        n_contacts, coordinates); zero on the ground.  Directions are the normals or the tangents
+        where bricks deform."""
+        contacts, bodies, strain = self.contacts, self.bodies, self.strain
+        coordinates = 3 + (strain.n_modes if strain else 0)
+        result = np.zeros((2, len(contacts), coordinates))
+        across = np.any(directions * contact_normals(contacts), axis=1)
+        for rows, body, shape, sign in (
+            (result[0], contacts.first, strain and strain.first, -1.0),
+            (result[1], contacts.second, strain and strain.second, 1.0),
+        ):
+            moving = np.flatnonzero(body >= 0)
+            index = body[moving]
+            rx = contacts.x[moving] - bodies.x[index]
+            rz = contacts.z[moving] - bodies.z[index]
+            dx, dz = directions[moving].T
+            by_modes = ()
+            if strain is not None:
+                shapes = strain.shapes[shape[moving]]
+                by_modes = np.where(across[moving, None], shapes[:, 0], shapes[:, 1]).T
+            rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
+        return result
+
+    @property
+    def elastic_arrays(self):
+        """What stiffness depends on beside the bodies and the contact points' own numbers."""
+        strain = self.strain
+        return () if strain is None else (strain.mass, strain.stiffness, strain.shapes)
+
+    @property
+    def bases(self):
+        """Bodies of the lowest course and height of the drift above the ground [m] of each wall, a
+        list of (indices, height)."""
+        return [(np.flatnonzero(self.bodies.course == 0), self.drift_height)]
+
+    def tops(self, motion):
+        """Displacement along each wall of its top over the piers (n, n_walls) [m]; motion: (n,
+        n_bodies, 3)."""
+        top = motion[:, :, 0].take(self.drift_bodies, axis=1)
+        return np.add.reduce(top, axis=1, keepdims=True) / top.shape[1]
+
+    def top_and_drift(self, tops, of_base):
+        """Displacement of the top [m] and drift ratio [-], both (n,).
+
+        tops: `tops`; of_base: by what the rigid motion of the base moves them (n, n_walls) [m].
+        """
+        top = tops[:, 0]
+        return top, (top - of_base[:, 0]) / self.drift_height
 
     @property
     def pushed_bodies(self):
@@ -170,9 +312,8 @@ class Layout:
     def push_shares(self, floor_shares):
         """Share of a push that each body takes, (n_bodies,) [-]: that of its floor by mass.
 
-        floor_shares: ((level [m], share [-]), ...), of a house none for the tops of all walls.
-        Raises InputError for a level that is neither
-        a floor's nor the wall's.
+        floor_shares: ((level [m], share [-]), ...), none for the top.  Raises InputError for a
+        level that is neither a floor's nor the wall's.
         """
         found, mass = np.zeros(len(self.bodies)), self.bodies.mass
         for level, share in floor_shares or ((None, 1.0),):
@@ -183,8 +324,6 @@ class Layout:
     def _carries(self, level):
         """Indices of the bodies that carry the floors, or the top, at this level [m]."""
         wall, bodies, course = self.wall, self.bodies, self.wall.brick.height
-        if self.space:
-            return self._carries_in_house(level)
         places = [place for place in self.plan.floors if place.above == round(level / course)]
         if places:
             of_course = np.abs(bodies.z - (places[0].above - 0.5) * course) < bodies.height / 2
@@ -202,21 +341,9 @@ class Layout:
             f" {', '.join(f'{one:g}' for one in levels)} m; correct it"
         )
 
-    def _carries_in_house(self, level):
-        """`_carries` of a house: a slab, else the course below in all walls."""
-        bodies = self.bodies
-        on = np.abs(bodies.z + bodies.height / 2 - level) < self.wall.brick.height / 2
-        slabs = on & (bodies.course == SLAB_COURSE)
-        if not on.any():
-            raise InputError(
-                f"--floor-share at {level:g} m: house {self.wall.name} ends at"
-                f" {np.max(bodies.z + bodies.height / 2):g} m: expected a level in it; correct it"
-            )
-        return np.flatnonzero(slabs if slabs.any() else on)
-
     def height_of_push(self, floor_shares=()):
         """Height of the resultant of a push [m]: of the pushed bodies, or of these floors."""
-        if not floor_shares and not self.space:
+        if not floor_shares:
             return self.pushed_height
         return float(total(self.push_shares(floor_shares) * self.bodies.z))
 

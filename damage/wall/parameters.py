@@ -7,6 +7,7 @@ paper gives a value; `docs/model/model.md` gives the source of every other one.
 
 import math
 from dataclasses import asdict, dataclass, field, replace
+from typing import ClassVar
 
 from damage.checks import check_range, record_from
 from damage.elementary import power, tan
@@ -401,6 +402,9 @@ class Wall:
     (docs/guides/own-wall.md).
     """
 
+    KIND: ClassVar = "wall"
+    lone_walls: ClassVar = ()
+
     name: str
     length: float = quantity(
         "m", 1e-3, LONGEST_M, (0.1, 200), "a pier of half a brick; a terrace of houses"
@@ -423,6 +427,37 @@ class Wall:
     floors: tuple[Floor, ...] = ()
     lintel: Lintel = field(default_factory=Lintel)
     restraints: tuple[Restraint, ...] = ()
+
+    @property
+    def masonry(self):
+        """The wall itself, as of a `damage.house.house.House` the wall of what all its walls
+        share."""
+        return self
+
+    @property
+    def records(self):
+        """The wall and the records in it."""
+        lintels = [opening.lintel for opening in self.openings if opening.lintel]
+        inside = *self.openings, *self.floors, self.brick, self.joint, self.lintel
+        return self, *inside, *lintels
+
+    @property
+    def line_loads(self):
+        """Mass of each floor over its length, a list [kg/m]."""
+        spans = [(floor.mass, *floor.span(self)) for floor in self.floors]
+        return [mass / (right - left) for mass, left, right in spans if mass]
+
+    @property
+    def each_wall(self):
+        """The wall alone, as of a House its walls."""
+        return (self,)
+
+    def with_each(self, change):
+        """What a function makes of the wall, as of a House that with each wall changed."""
+        return change(self)
+
+    def check_run(self, settings):
+        """Nothing, as of a House what its runs cannot do."""
 
     def __post_init__(self):
         object.__setattr__(self, "lintel", lintel_of(self.lintel))

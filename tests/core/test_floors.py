@@ -9,13 +9,13 @@ from numpy.testing import assert_allclose
 from scipy.linalg import eigh
 
 from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall
-from damage.linear.modes import contact_normals, natural_modes, static_displacement
+from damage.linear.modes import natural_modes, static_displacement
 from damage.measure.damage_index import storey_drifts, storeys_table
 from damage.measure.tables import write_run_tables
 from damage.units import GRAVITY
 from damage.wall.as_built import describe_floors
 from damage.wall.kinds import BED, CAP, HEAD, SLAB_COURSE
-from damage.wall.layout import lay_out
+from damage.wall.layout import contact_normals, lay_out
 from damage.wall.plan import plan_of
 from verification.elastic import running_bond
 from verification.limit_analysis import kinematic_matrix

@@ -56,9 +56,9 @@ def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_
     )
     house = House("u", places, [Corner(("one", name), "toothed") for name in "lr"])
     layout = lay_out_house(house)
-    top = layout.space.drift_bodies[0]
+    top = layout.wall_drift_bodies[0]
     assert len(top) > 0
-    assert set(layout.bodies.course[top]) == {5} and set(layout.space.wall[top]) == {0}
+    assert set(layout.bodies.course[top]) == {5} and set(layout.body_wall[top]) == {0}
 
 
 def _box(tmp_path, old, new):
@@ -169,11 +169,11 @@ def test_a_house_is_drawn_in_the_units_that_are_asked_for(error_of, tmp_path):
 
 def test_equal_walls_of_a_house_have_strengths_of_their_own():
     layout = lay_out_house(read_house(BOX), ModelOptions(strength_cov=0.3, strength_seed=1))
-    contacts, wall = layout.contacts, layout.space.wall
+    contacts, wall = layout.contacts, layout.body_wall
     inside = (contacts.kind == BED) & (wall[contacts.first] == wall[contacts.second])
     bond = [
         contacts.tensile_strength[
-            inside & (wall[contacts.second] == layout.space.house.names.index(name))
+            inside & (wall[contacts.second] == layout.house.names.index(name))
         ]
         for name in ("left", "right")
     ]
@@ -199,10 +199,10 @@ def test_corners_of_two_masonries_have_the_weaker_properties():
     placed = Placed(walls[0]), Placed(walls[1], (0.1, -0.1), 90)
     layout = lay_out_house(House("two", placed, [Corner(("one", "other"), "toothed")]))
     assert_allclose(layout.total_mass, 0.2 * 0.2 * (1500 * (0.8 + 0.6) + 2000 * (0.6 + 0.8)))
-    contacts, wall = layout.contacts, layout.space.joint_wall
+    contacts, wall = layout.contacts, layout.joint_wall
     for number, cohesion in ((0, 2e5), (1, 1e5), (-1, 1e5)):
         assert set(contacts.cohesion[wall == number]) == {cohesion}
-    friction = layout.space.lesser(contacts, np.array([0.5, 0.7]))
+    friction = layout.of_contacts(np.array([0.5, 0.7]))
     assert [set(friction[wall == number]) for number in (0, 1, -1)] == [{0.5}, {0.7}, {0.5}]
     flat = (wall == -1) & (contacts.kind == 0)
     area, upright = contacts.area, (wall == -1) & ~flat
@@ -261,9 +261,9 @@ def test_the_ground_below_a_house_follows_its_profile_along_the_heading(profile)
     bricks = [layout.contacts.second[layout.contacts.first == GROUND - k] for k in range(len(end))]
     there = np.array([len(one) > 0 for one in bricks])
     body = np.array([one[0] for one in bricks if len(one)])
-    along = np.abs(layout.space.of_body[body, 0, :2] @ heading)
+    along = np.abs(layout.of_body[body, 0, :2] @ heading)
     width = along * layout.bodies.length[body] + np.sqrt(1 - along**2) * 0.2
-    middle = layout.space.centres(layout.bodies)[body, :2] @ heading - begins
+    middle = layout.centres[body, :2] @ heading - begins
 
     def ground(x):
         return settlement.vertical(x, length)
@@ -288,10 +288,10 @@ def test_timber_floors_load_parallel_walls_by_half_their_spans_and_anchors_tie_t
             [],
         )
     )
-    more = [np.sum((free.bodies.mass - bare.bodies.mass)[free.space.wall == k]) for k in range(3)]
+    more = [np.sum((free.bodies.mass - bare.bodies.mass)[free.body_wall == k]) for k in range(3)]
     assert_allclose(more, 50 * 1.6 * np.array([1, 2.5, 1.5]), rtol=1e-6)
     away = np.zeros((len(free.bodies), 6))
-    away[free.space.wall == 2, 3] = 1.0
+    away[free.body_wall == 2, 3] = 1.0
     held, one, loose = (
         away.ravel() @ stiffness_matrix(layout) @ away.ravel() for layout in (tied, once, free)
     )
@@ -314,14 +314,14 @@ def test_ties_join_the_units_of_two_leaves_at_the_same_place():
         house = _cavity(**outer)
         tied, loose = (lay_out_house(one) for one in (house, replace(house, ties=())))
         moved = np.zeros((2, len(tied.bodies), 6))
-        moved[0, tied.space.wall == 1, 3] = moved[1, tied.space.wall == 1, 0] = 1.0
+        moved[0, tied.body_wall == 1, 3] = moved[1, tied.body_wall == 1, 0] = 1.0
         found = [
             [one.ravel() @ stiffness_matrix(layout) @ one.ravel() for one in moved]
             for layout in (tied, loose)
         ]
         assert_allclose(np.subtract(*found), [number * 1e6, 0], rtol=1e-3, atol=50)
         ends = np.stack([tied.contacts.first, tied.contacts.second])[:, tied.n_joints :]
-        places = tied.space.centres(tied.bodies)[ends]
+        places = tied.centres[ends]
         assert np.ptp(places[..., 0], axis=0).max() < 0.5
 
 

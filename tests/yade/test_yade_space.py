@@ -301,7 +301,7 @@ def test_a_push_on_a_slab_meets_the_elastic_stiffness_in_its_direction(yade_comm
     yade_command(*SHORT, DATA, path, *push, status=0)
     history, layout = read_history(out), lay_out_house(read_house(path))
     shares = layout.push_shares([(0.8, 1.0)])
-    along, across, up = layout.space.of_body.transpose(1, 0, 2) @ [np.sqrt(0.75), 0.5, 0.0]
+    along, across, up = layout.of_body.transpose(1, 0, 2) @ [np.sqrt(0.75), 0.5, 0.0]
     force = np.zeros((len(shares), 6))
     force[:, [0, 3, 1]] = np.column_stack([along, across, up]) * shares[:, np.newaxis]
     moved = spsolve(stiffness_matrix(layout).tocsc(), force.ravel()) @ force.ravel()

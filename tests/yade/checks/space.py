@@ -96,7 +96,7 @@ def block():
     )
     solver = solver_of(House("block", [Placed(wall, direction=37)]))
     alpha = math.atan(thick / high)
-    angle, axes = 0.4 * alpha, solver.layout.space.of_body[0]
+    angle, axes = 0.4 * alpha, solver.layout.of_body[0]
     *below, state = solver.scene.states
     for half in below:
         half.blockedDOFs = "xyzXYZ"
@@ -156,11 +156,11 @@ def box():
     solver.advance(400, 1, lambda now: seen.append(now) or True)
     now, layout = seen[-1], solver.layout
     moved = np.column_stack([now.displacement[0], now.out_of_plane[0]])
-    moved = np.einsum("ni,nij->nj", moved[:, [0, 3, 1]], layout.space.of_body)
+    moved = np.einsum("ni,nij->nj", moved[:, [0, 3, 1]], layout.of_body)
     force = np.array([one.support_force[0, 0, 0] for one in seen])
     force += layout.total_mass * base[:, 0][: len(force)]
     speed = np.array([state.vel[0] for state in solver.scene.states])
-    place = layout.space.centres(layout.bodies)
+    place = layout.centres
     mirrored = place * [1, -1, 1] + [0, 1.0, 0]
     twin = [np.abs(place - one).sum(axis=1).argmin() for one in mirrored]
     size = np.abs(moved).max()
@@ -224,8 +224,8 @@ def tilt():
     layout, scene, rate = solver.layout, solver.scene, 1e-3
     axis = np.array([*scene.push_axis])
     about = rate * np.cross(axis, [0.0, 0.0, 1.0])
-    start, of_body = layout.space.ground_left.min() * axis, layout.space.of_body
-    place = layout.space.centres(layout.bodies)
+    start, of_body = layout.ground_left.min() * axis, layout.of_body
+    place = layout.centres
     speed = np.einsum("nij,nj->ni", of_body, np.cross(about, place - start))
     along, across, _ = (of_body @ about).T
     solver.set_velocities(
@@ -250,18 +250,16 @@ def tilt():
 def elastic_stresses(layout, direction):
     """Normal stress, and both shear stresses, of all joints under forces of the size of the bodies'
     weight in this direction in the house (n_joints, 3) [Pa]."""
-    space, contacts = layout.space, layout.contacts
-    along, across, up = np.einsum("nij,j->in", space.of_body, direction)
+    contacts = layout.contacts
+    along, across, up = np.einsum("nij,j->in", layout.of_body, direction)
     force = np.zeros((len(layout.bodies), 6))
     force[:, [0, 3, 1]] = np.column_stack([along, across, up]) * GRAVITY
     force *= layout.bodies.mass[:, None]
     moved = spsolve(stiffness_matrix(layout).tocsc(), force.ravel()).reshape(force.shape)
     moved = np.vstack([moved, np.zeros(6)])  # the ground
     found = []
-    for axis, stiffness in enumerate(
-        (contacts.normal_stiffness, contacts.shear_stiffness, contacts.shear_stiffness)
-    ):
-        rows = space.rows(contacts, layout.bodies, axis)
+    stiffnesses = contacts.normal_stiffness, contacts.shear_stiffness, contacts.shear_stiffness
+    for rows, stiffness in zip(layout.directions, stiffnesses):
         apart = [
             (row * moved[end]).sum(axis=1)
             for row, end in zip(rows, (contacts.first, contacts.second))
@@ -300,8 +298,8 @@ def bonded():
 def _failure(layout, multiplier, joint):
     return {
         "multiplier": float(multiplier),
-        "wall": int(layout.space.joint_wall[joint]),
-        "place": np.round(layout.space.place[joint], 3).tolist(),
+        "wall": int(layout.joint_wall[joint]),
+        "place": np.round(layout.place[joint], 3).tolist(),
         "upright": bool(layout.contacts.upright[joint]),
     }
 
@@ -319,7 +317,7 @@ def corner(*multipliers):
             moved = solver.scene.motion()[:, 3]
             if np.abs(moved).max() > 0.03:
                 break
-        front_top = solver.layout.space.drift_bodies[0]
+        front_top = solver.layout.wall_drift_bodies[0]
         speed = max(abs(solver.scene.states[body].vel[1]) for body in front_top)
         found[multiplier] = {"speed_mm_s": 1e3 * speed, "moved": int(np.sum(np.abs(moved) > 2e-3))}
     return found
@@ -363,20 +361,20 @@ def _bent(solver, multiplier):
     layout, moved, seen, failed = solver.layout, [0.0], [], {}
     contacts, middle = layout.contacts, np.abs(layout.bodies.z - HIGH / 2).argmin()
     settle(solver)
-    base = rising(solver, multiplier, 3 if layout.space else 2)
+    base = rising(solver, multiplier, layout.MOTION_AXES)
     solver.start(base, np.array([GRAVITY]))
     solver.drain_events()
     while solver.clock < len(base) - 0.01 / solver.time_step and abs(moved[-1]) < 0.02:
         go(solver, 0.01, lambda now: seen.append(now) or True)
         now = seen[-1]
-        motion = now.out_of_plane if layout.space else now.displacement
+        motion = now.out_of_plane if layout.IN_SPACE else now.displacement
         moved.append(float(motion[-1, middle, 0]))
         for step, joint, *_ in solver.drain_events():
             at = round(float(contacts.z[joint]), 2)
             failed.setdefault(at, round(float(base[min(step, len(base) - 1), 0] / GRAVITY), 2))
     opening = np.zeros(layout.n_joints)
     opening[now.joints] = now.contacts["opening_m"][-1]
-    y = layout.space.y if layout.space else contacts.x - THICK / 2
+    y = layout.y if layout.IN_SPACE else contacts.x - THICK / 2
     wide = np.flatnonzero((opening > opening.max() / 3) & ~contacts.upright[: layout.n_joints])
     wide = wide[np.argsort(np.abs(y[wide]))]  # faces last, which stay
     return {
