@@ -27,6 +27,7 @@ from damage.motion.plausible import faint_warnings, implausible_velocity
 from damage.motion.record import Record
 from damage.motion.sequence import read_sequence
 from damage.run.banner import record_lines
+from damage.run.options import parse_run
 from damage.units import GRAVITY
 
 STEP_S = 0.005

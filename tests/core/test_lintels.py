@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall
 from damage.linear.modes import natural_modes, static_displacement
 from damage.run.banner import wall_lines
+from damage.run.options import parse_run
 from damage.units import GRAVITY
 from damage.wall.as_built import replaced_lintels
 from damage.wall.file import wall_from

@@ -5,6 +5,7 @@ import json
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 from environments import environment, run_in
 from numpy.testing import assert_allclose
@@ -16,6 +17,7 @@ from damage.applications.report.curves import (
     coefficients,
     left_out,
     limit_state,
+    write_curves,
     write_nrml,
 )
 from damage.applications.studies.fragility import fit_all
