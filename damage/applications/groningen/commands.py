@@ -431,7 +431,7 @@ def _make_claim(asked):
 @command(
     "a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step;"
     " it listens on the loopback interface alone and writes below --out only (needs Flask:"
-    " python3-flask)",
+    " pip install .[groningen], or Debian's python3-flask)",
     arg(
         "--port",
         type=number_from(0, 65535, int),

@@ -7,7 +7,6 @@ from damage.arguments import arg, file_arg, flag, group, number_from
 from damage.commands.table import HISTORY, command, extend, out, output, tables
 from damage.errors import InputError
 from damage.history.reader import read_history
-from damage.start import missing_library
 
 
 @command(
@@ -18,6 +17,7 @@ from damage.start import missing_library
     examples=("", "--out first --overwrite"),
 )
 def _demo(asked):
+    from damage.applications.report.report import write_report
     from damage.reference.session import run_reference
 
     history = asked.out / "symmetric.h5"
@@ -36,12 +36,7 @@ def _demo(asked):
     )
     if status:
         return status
-    try:
-        from damage.applications.report.report import write_report
-
-        print(f"report: {write_report([history])}")
-    except ImportError as error:  # of the extra masonry-damage[report]
-        print(f"no report: {missing_library(error) or error}")
+    print(f"report: {write_report([history])}")
     print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
     return 0
 
