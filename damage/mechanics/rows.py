@@ -12,6 +12,7 @@ from damage.mechanics.interfaces import (
     RelativeMotion,
     Resultant,
     Springs,
+    relative_motion,
 )
 from damage.mechanics.simd import (
     Eight,
@@ -185,3 +186,13 @@ velocity_of, mass_of, inverse_mass_of = (
 )
 """(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass
 and its inverse, zero where the velocity is prescribed."""
+
+
+@inlined
+def moved(n, tables, p):
+    """Frame and RelativeMotion of interface p, or of eight from there on."""
+    return relative_motion(
+        line_of(n, tables, p),
+        pose_at(n, tables.bodies, tables.first, p),
+        pose_at(n, tables.bodies, tables.second, p),
+    )

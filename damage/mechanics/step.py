@@ -20,7 +20,15 @@ import numpy as np
 
 from damage.elementary import cos, sin
 from damage.law.states import ENDED, ENDING, FAILED
-from damage.mechanics import collisions, contacts, interfaces, rows
+from damage.mechanics import (
+    collisions,
+    contacts,
+    damping,
+    devices,
+    interfaces,
+    rows,
+    strain_modes,
+)
 from damage.mechanics.bodies import SMALL, adapt, move_all, set_bench, small_rotation, total
 from damage.mechanics.compiled import compiled, entry, inlined
 from damage.mechanics.contacts import Points, confine
@@ -28,18 +36,14 @@ from damage.mechanics.interfaces import Pose, RelativeMotion, Resultant
 from damage.mechanics.samples import observe
 from damage.mechanics.scaling import move_scaled
 from damage.mechanics.simd import (
-    add,
-    add_part,
     argument,
     bits,
-    either,
     flags_of,
     lane,
     lanes,
     load,
     rows_of,
     store,
-    table_width,
     wall_of,
     widest,
     with_lane,
@@ -56,7 +60,6 @@ from damage.mechanics.tables import (
     INPUT,
     KINETIC,
     LARGEST_OPENING,
-    RIGID,
     ROTATION,
     ROW,
     STEP,
@@ -64,8 +67,6 @@ from damage.mechanics.tables import (
     SWEPT_Z,
     TAKEN,
     TIME_STEP,
-    Beam,
-    Bearing,
     Model,
     X,
     Z,
@@ -112,7 +113,7 @@ def advance(n, tables, model, controls, field, clock, begin, stops, sampling):
     step = k = stops[0, 0] * 0
     mark_used(n, tables, model.strain, walls)
     if damped:
-        remember_last(n, tables, model.strain, begin)
+        damping.remember_last(n, tables, model.strain, begin)
     while k < len(stops):
         step += 1
         ending = stops[k, 1] if step >= stops[k, 0] else 0
@@ -128,7 +129,7 @@ def advance(n, tables, model, controls, field, clock, begin, stops, sampling):
             look(n, tables, model, controls, field, step, ending, sampling)
             confine(n, tables, model.cuts, ending)
             if damped:
-                remember_last(n, tables, model.strain, ending)
+                damping.remember_last(n, tables, model.strain, ending)
             k += 1
 
 
@@ -195,16 +196,16 @@ def find_forces(n, tables, model, asked):
         tables.bench[0, STEP] = 0.0
         mark_used(n, tables, model.strain, asked.walls)
     tables.sums[DAMPED] = 0.0
-    singly = asked.ending == asked.walls or deforms(model.strain)
+    singly = asked.ending == asked.walls or strain_modes.deforms(model.strain)
     if singly or forces_of_springs(n, tables, model.loose, asked):
         forces_of_others(n, tables, model, asked, singly)
     if asked.holds:
-        hold_rotations(n, tables)
+        devices.hold_rotations(n, tables)
     if len(tables.bearings) > 0:
-        hold_top(n, tables)
+        devices.hold_top(n, tables)
     collisions.add_forces(n, tables, model.loose, asked.since)
     if asked.holds and asked.since > 0.0:
-        spread(n, tables)
+        devices.spread(n, tables)
     if asked.damped:
         total(n, tables.sums, DAMPED)
         store(
@@ -223,81 +224,6 @@ def mark_used(n, tables, strain, walls):
     if strain is not None:
         for i in range(len(tables.contacts)):
             tables.used[i] = bits(contacts.is_intact_spring(n, tables.states, i)) & walls != walls
-
-
-@inlined
-def hold_rotations(n, tables):
-    """Add the moments of the rotational springs by which bodies are held."""
-    for b in range(len(tables.turning)):
-        stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 2)
-        moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
-        add(
-            n,
-            tables.bodies,
-            b,
-            rows.first_force(tables.bodies) + ROTATION,
-            -either(stiffness > 0.0, moment, 0.0),
-        )
-
-
-@compiled
-def spread(n, tables):
-    """Add the force of a spreader beam, by the share of each body, to those of the bodies; add its
-    work to the input.
-
-    It is the force with which the mean displacement of these bodies, weighted by their shares, is
-    that of the machine after the next step: of a beam of levers, whose forces keep their ratio.
-    Local damping takes or gives a share of each body's rate by its sign: a few iterations find it.
-    """
-    bench = rows.bench_of(n, tables.bench, 0)
-    place, velocity, before = rows.beam_of(n, tables.beam, 0)
-    dt, x, force = bench.step, rows.first_force(tables.bodies) + X, before
-    there, speed, local = zero(n), zero(n), bits(bench.local > 0.0) > 0
-    for b in range(len(tables.turning)):
-        share = load(n, tables.turning, b, 1)
-        there = there + share * rows.place_of(n, tables.bodies, b, X)
-        speed = speed + share * rows.velocity_of(n, tables.inertia, b, X)
-    change = (place - there) / dt - (1.0 - dt * load(n, tables.relaxation, 0, 0)) * speed
-    for _ in range(4 if local else 1):
-        rate, freedom = zero(n), zero(n)
-        for b in range(len(tables.turning)):
-            share, own = load(n, tables.turning, b, 1), load(n, tables.bodies, b, x)
-            power = (own + share * force) * rows.velocity_of(n, tables.inertia, b, X)
-            damped = either(power > 0.0, bench.local, either(power < 0.0, -bench.local, 0.0))
-            free = share * (1.0 - damped) * rows.inverse_mass_of(n, tables.inertia, b, X)
-            rate, freedom = rate + free * own, freedom + free * share
-        spreads = freedom > 0.0
-        force = (change / dt - rate) / either(spreads, freedom, 1.0)
-        force = either(spreads, force, 0.0)
-    add(n, tables.energy, 0, INPUT, 0.5 * dt * speed * (before + force))
-    rows.keep_beam(n, tables.beam, 0, True, Beam(place + dt * velocity, velocity, force))
-    for b in range(len(tables.turning)):
-        add(n, tables.bodies, b, x, load(n, tables.turning, b, 1) * force)
-
-
-@compiled
-def hold_top(n, tables):
-    """Add the forces of the bearing of a restrained top, and of the constant load on it, to those
-    of its beam.
-
-    The bearing is a spring in series with a slider, `damage.wall.restraints`; the work of its slip
-    is friction.
-    """
-    bench = rows.bench_of(n, tables.bench, 0)
-    gravity = bench.pull_z - bench.base_z
-    for b in range(len(tables.bearings)):
-        stiffness, limit, play, weighs, slip, before = rows.bearing_of(n, tables.bearings, b)
-        trial = stiffness * (rows.place_of(n, tables.bodies, b, X) - slip)
-        excess = either(trial > limit, trial - limit, either(trial < -limit, trial + limit, 0.0))
-        slipped = slip + excess / either(stiffness > 0.0, stiffness, 1.0)
-        slipped = either(slipped > play, play, either(slipped < -play, -play, slipped))
-        force = trial - stiffness * (slipped - slip)
-        rows.keep_bearing(
-            n, tables.bearings, b, True, Bearing(stiffness, limit, play, weighs, slipped, force)
-        )
-        add(n, tables.energy, 0, FRICTION, 0.5 * (before + force) * (slipped - slip))
-        add(n, tables.bodies, b, rows.first_force(tables.bodies) + X, -force)
-        add(n, tables.bodies, b, rows.first_force(tables.bodies) + Z, -weighs * gravity)
 
 
 @inlined
@@ -337,7 +263,7 @@ def forces_of_intact(n, tables, loose, ending, damped, alike):
     everyone, any_other = (1 << lanes(n)) - 1, 0
     for p in range(0, len(tables.others), rows_of(n)):
         springs = rows.springs_of(n, tables, p, alike)
-        frame, motion = moved(n, tables, p)
+        frame, motion = rows.moved(n, tables, p)
         intact = interfaces.stays_intact(springs, rows.limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
@@ -352,20 +278,10 @@ def forces_of_intact(n, tables, loose, ending, damped, alike):
         resultant = interfaces.elastic_resultant(springs, motion)
         if damped:
             changed = interfaces.change(resultant, rows.last_resultant(n, tables.last, p))
-            resultant = damp(n, tables, p, motion, resultant, changed, intact)
+            resultant = damping.damp(n, tables, p, motion, resultant, changed, intact)
         forces = interfaces.forces_on_bodies(frame, resultant, motion)
         rows.push_at(n, tables.bodies, tables.first, tables.second, p, forces, intact)
     return any_other
-
-
-@inlined
-def moved(n, tables, p):
-    """Frame and RelativeMotion of interface p, or of eight from there on."""
-    return interfaces.relative_motion(
-        rows.line_of(n, tables, p),
-        rows.pose_at(n, tables.bodies, tables.first, p),
-        rows.pose_at(n, tables.bodies, tables.second, p),
-    )
 
 
 @compiled
@@ -394,21 +310,21 @@ def forces_by_contacts(n, tables, model, asked, p, here):
     springs while all stay in their elastic range, else the joint law applies.
     """
     interface, strain, lives = tables.interfaces[p], model.strain, flags_of(n, here)
-    frame, motion = moved(n, tables, p)
+    frame, motion = rows.moved(n, tables, p)
     resultant = Resultant(zero(n), zero(n), zero(n))
-    start, size = ROW(interface.start), points_at_once(strain, interface)
+    start, size = ROW(interface.start), strain_modes.points_at_once(strain, interface)
     while start < interface.stop:
-        points = Points(p, start, start + size, last_row(strain, p, start))
-        at_points = motion_at(n, tables.bodies, strain, interface, start, motion)
+        points = Points(p, start, start + size, strain_modes.last_row(strain, p, start))
+        at_points = strain_modes.motion_at(n, tables.bodies, strain, interface, start, motion)
         of_points = forces_of_points(n, tables, model, asked, points, at_points, here)
-        push_modes(n, tables.bodies, strain, interface, start, of_points, lives)
+        strain_modes.push_modes(n, tables.bodies, strain, interface, start, of_points, lives)
         resultant = interfaces.add(resultant, of_points)
         start += size
     over = ends_now(n, tables, model.loose, asked, p, here, motion)
     to_read = here & (asked.ending | over)
     if to_read:
         for i in range(interface.start, interface.stop):
-            at_point = motion_at(n, tables.bodies, strain, interface, i, motion)
+            at_point = strain_modes.motion_at(n, tables.bodies, strain, interface, i, motion)
             contacts.read(n, tables, i, at_point, flags_of(n, to_read))
     rows.push(
         n, tables.bodies, interface, interfaces.forces_on_bodies(frame, resultant, motion), lives
@@ -454,21 +370,17 @@ def let_go(n, tables, model, p, gone):
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
             before, motion = (
                 load(one, tables.energy, 0, FRICTION),
-                of_wall(moved(n, tables, p)[1], w),
+                of_wall(rows.moved(n, tables, p)[1], w),
             )
             for i in range(interface.start, interface.stop):
-                at_point = motion_at(one, tables.bodies, model.strain, interface, i, motion)
+                at_point = strain_modes.motion_at(
+                    one, tables.bodies, model.strain, interface, i, motion
+                )
                 contacts.let_go(one, tables, i, at_point)
                 tables.used[i] = 1
             fail(n, tables, p, w, ENDED)
             stored = load(one, tables.energy, 0, FRICTION) - before
             collisions.hand_over(n, tables, model.loose, interface, stored)
-
-
-@inlined
-def last_row(strain, p, start):
-    """Row of `last` of interface p, or of its contact where bricks deform."""
-    return p if strain is None else np.int64(start)
 
 
 @inlined
@@ -496,7 +408,7 @@ def forces_of_points(n, tables, model, asked, points, motion, here):
             n, tables, model, asked, points, motion, beyond, (resultant, changed)
         )
     if damped:
-        resultant = damp(n, tables, points.row, motion, resultant, changed, lives)
+        resultant = damping.damp(n, tables, points.row, motion, resultant, changed, lives)
     return resultant
 
 
@@ -572,118 +484,3 @@ def pose_before(n, tables, b):
         cos1,
         sine,
     )
-
-
-# --- damping of interfaces ------------------------------------------------------------------------
-
-
-@inlined
-def damp(n, tables, row, motion, resultant, changed, which):
-    """Resultant with stiffness-proportional damping and dashpots [N, N m]; stores motion and
-    elastic resultant for the next step, and adds up the work, in the walls `which` (flags).
-
-    changed: change of the elastic resultant since the last step.
-    """
-    before = rows.last_motion(n, tables.last, row)
-    rows.keep_motion(n, tables.last, row, which, motion)
-    rows.keep_resultant(n, tables.last, row, which, resultant)
-    bench = rows.bench_of(table_width(n), tables.bench, 0)
-    viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
-    if tables.radiates:
-        viscous, of_dashpots, more = interfaces.add_dashpots(
-            rows.dashpots_of(n, tables.radiation, row),
-            rows.dashpots_last(n, tables.radiation, row),
-            bench.step,
-            motion,
-            before,
-            viscous,
-            changed,
-        )
-        rows.keep_dashpots(n, tables.radiation, row, which, of_dashpots)
-        work = work + more
-    add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
-    return viscous
-
-
-@compiled
-def remember_last(n, tables, strain, which):
-    """Store present motions and resultants of all interfaces, for stiffness-proportional damping in
-    the next step, in the walls `which` (bits)."""
-    asked = flags_of(n, which)
-    for p in range(len(tables.interfaces)):
-        interface, motion = tables.interfaces[p], moved(n, tables, p)[1]
-        start, size = ROW(interface.start), points_at_once(strain, interface)
-        while start < interface.stop:
-            points = Points(p, start, start + size, last_row(strain, p, start))
-            here = motion_at(n, tables.bodies, strain, interface, start, motion)
-            rows.keep_motion(n, tables.last, points.row, asked, here)
-            rows.keep_resultant(
-                n,
-                tables.last,
-                points.row,
-                asked,
-                contacts.present_resultant(n, tables, points, here),
-            )
-            start += size
-
-
-# --- strain modes of deformable bricks ------------------------------------------------------------
-# Mode m of a body is its coordinate RIGID + m.  Its generalized force is the work of the contact
-# forces on the opening and shear displacement by a unit of the mode.  Its mass, stiffness, damping
-# and shape are equal in all walls that step together.  Theory: `damage.wall.strain`.
-
-
-@inlined
-def deforms(strain):
-    """Whether bricks deform."""
-    return strain is not None
-
-
-@inlined
-def points_at_once(strain, interface):
-    """Number of contact points that share a RelativeMotion: all of an interface between rigid
-    bricks, else one."""
-    if strain is None:
-        return ROW(interface.stop - interface.start)
-    return ROW(1)
-
-
-@inlined
-def motion_at(n, bodies, strain, interface, i, motion):
-    """RelativeMotion at contact i: that of the interface plus the displacements by the strain modes
-    of both bricks."""
-    if strain is None:
-        return motion
-    a, b, at_a, at_b, shapes = (
-        interface.a,
-        interface.b,
-        strain.rows[i, 0],
-        strain.rows[i, 1],
-        strain.shapes,
-    )
-    opening, shear = zero(n), zero(n)
-    for m in range(shapes.shape[2]):
-        qa, qb = rows.place_of(n, bodies, a, RIGID + m), rows.place_of(n, bodies, b, RIGID + m)
-        opening = opening + (shapes[at_b, 0, m] * qb - shapes[at_a, 0, m] * qa)
-        shear = shear + (shapes[at_b, 1, m] * qb - shapes[at_a, 1, m] * qa)
-    return RelativeMotion(motion.opening + opening, motion.shear + shear, motion.rotation)
-
-
-@inlined
-def push_modes(n, bodies, strain, interface, i, resultant, which):
-    """Add a contact's Resultant to the generalized forces of both bricks' modes, in the walls
-    `which` (flags)."""
-    if strain is None:
-        return
-    a, b, at_a, at_b, shapes = (
-        interface.a,
-        interface.b,
-        strain.rows[i, 0],
-        strain.rows[i, 1],
-        strain.shapes,
-    )
-    normal, shear = either(which, resultant.normal, 0.0), either(which, resultant.shear, 0.0)
-    for m in range(shapes.shape[2]):
-        k = rows.first_force(bodies) + RIGID + m
-        add(n, bodies, a, k, normal * shapes[at_a, 0, m] + shear * shapes[at_a, 1, m])
-        add(n, bodies, b, k, -(normal * shapes[at_b, 0, m] + shear * shapes[at_b, 1, m]))

@@ -1,40 +1,9 @@
-"""Bricks that can split into halves.
+"""Bricks that can split into halves, joined across a cut in their middle.
 
-**Splitting.**  Every whole brick is two halves, bonded across a cut in its middle.  The cut has n
-contact points in the middles of n equal parts of the brick's height h, so that under a moment M and
-an axial force N the outermost bears, at (n - 1) / (2 n) h from the middle,
-
-    sigma = N / (t h) + n / (n + 1) M / (t h^2 / 6)
-
-for their second moment of area is that of the section times 1 - 1 / n^2.  Each has n / (n + 1) of
-the brick's tensile strength: a brick that is bent splits at the moment of beam theory, exactly,
-since what is left of the section then bears less than that; one that is pulled apart without
-bending, at n / (n + 1) of its strength.  As in Lourenço and Rots (1997, J. Eng. Mech. 123(7),
-660-668) tension along the wall splits bricks.
-
-**Diagonal tension** splits them, too.  In the middle of the cut the principal tension reaches f_t
-under the shear stress tau and the stress sigma_v across the bed joints, compression positive, at
-
-    tau = f_t sqrt(1 + sigma_v / f_t),    tau = 1.15 V / (t h)
-
-(`damage.law.joint_law.diagonal_tension`).  In the model of W. Mann and H. Müller (1982, Proc. Br.
-Ceram. Soc. 30, 223-235; known from T. Bakeer's notes, TU Dresden, 2012) head joints bear no shear,
-so that V / (t h) is twice a wall's mean; that the stress there is 2.3 times the mean, 2 * 1.15, is
-quoted from memory.  Plane elasticity of such a brick gives 1.16 at a height of 0.28 of the length,
-1.08 at 0.5, 1.02 at 0.65, and 1.16 to 1.12 where the stress on it varies linearly.  The points bear
-the mean V / (t h).  Under horizontal stress sigma_x, tension positive, the principal stress has tau
-falling by 1/2 sqrt(1 + sigma_v / f_t) / 1.15 of it at first, 0.43 to 0.75 for sigma_v up to 2 f_t;
-the points fall by tan(phi).  sigma_v is the mean of the four bed joints' contact points next to the
-cut, above and below on both sides: the stress at mid-height comes from half a brick's height to
-either side of it.  It changes at samples.
-
-**After that** a cut softens as a joint does, of fracture energy G in either mode: a diagonal crack
-opens.  Without G it is brittle.  It has the friction of the joints, and does not crush.  The shear
-of a brick is uniform in the bed joints' compliance, but rises linearly from zero at its ends to
-twice the mean in its middle: the rest, a third of the energy, is that of a cut of stiffness 6 G / d
-in place of the G / d of a bar of length d between the centres of the halves.
-
-A cut takes its share of the brick's compliance over from the head joints (`damage.wall.kinds`).
+A cut has contact points in the middles of CUT_POINTS equal parts of the brick's height.  What they
+bear under bending, diagonal tension and after they fail is derived in docs/model/model.md,
+*Splitting*.  A cut takes its share of the brick's compliance over from the head joints
+(`damage.wall.kinds`).
 """
 
 from dataclasses import fields, replace
