@@ -10,6 +10,7 @@ across.
 
 from dataclasses import replace
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,9 +33,10 @@ from damage.house.space import (
     without,
 )
 from damage.rounded import to_bits
+from damage.wall.contact_points import Contacts
 from damage.wall.floors import Floor
 from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
-from damage.wall.layout import Cells, Supports, lay_out
+from damage.wall.layout import Bodies, Cells, Supports, lay_out
 from damage.wall.model_options import ModelOptions
 
 GAP_M = 0.5
@@ -88,79 +90,90 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     return _with_bars(layout)
 
 
+class _Beside(NamedTuple):
+    """Walls beside each other.
+
+    bodies, contacts: of all; body_wall, joint_wall: number of the wall of each.
+    new: number among them of each body, part by part (n_bodies,).
+    first_body: of each part, in that order.
+    n_bricks, n_joints: of all.
+    """
+
+    bodies: Bodies
+    contacts: Contacts
+    body_wall: np.ndarray
+    joint_wall: np.ndarray
+    new: np.ndarray
+    first_body: np.ndarray
+    n_bricks: int
+    n_joints: int
+
+
+def _beside(parts, left):
+    """Layouts of walls _Beside each other, whose left ends are at these places [m]."""
+    first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
+    has_one = parts[0].options.supports == "one"
+    below = np.append(0, np.cumsum([0 if has_one else len(part.supports) for part in parts]))
+    bodies, contacts = [], []
+    for part, start, offset, ground in zip(parts, left, first_body, below):
+        table = part.contacts
+        first = np.where(table.first < 0, table.first - ground, table.first + offset)
+        moved = replace(table, x=table.x + start, first=first, second=table.second + offset)
+        bodies.append(replace(part.bodies, x=part.bodies.x + start))
+        contacts.append(moved)
+    # bricks of all walls first, as of one; joints before the glue of caps
+    is_other = np.concatenate([np.arange(len(part.bodies)) >= part.n_bricks for part in parts])
+    is_glue = np.concatenate([np.arange(len(part.contacts)) >= part.n_joints for part in parts])
+    order = np.argsort(is_other, kind="stable")
+    places = np.argsort(is_glue, kind="stable")
+    new = np.argsort(order)
+    wall_of = np.arange(len(parts))
+    table = taken(concatenated(contacts), places)
+    return _Beside(
+        bodies=taken(concatenated(bodies), order),
+        contacts=replace(
+            table,
+            first=np.where(table.first < 0, table.first, new[table.first]),
+            second=new[table.second],
+        ),
+        body_wall=np.repeat(wall_of, [len(part.bodies) for part in parts])[order],
+        joint_wall=np.repeat(wall_of, [len(part.contacts) for part in parts])[places],
+        new=new,
+        first_body=first_body,
+        n_bricks=int((~is_other).sum()),
+        n_joints=int((~is_glue).sum()),
+    )
+
+
 def _together(house, parts):
     """The HouseLayout of walls beside each other, three contact points through the thickness."""
     lengths = np.array([part.wall.length for part in parts])
     left = np.append(0.0, np.cumsum(lengths + GAP_M))[:-1]
-    first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
-    thickness, bodies, contacts = house.masonry.brick.thickness, [], []
-    one = parts[0].options.supports == "one"
-    below = np.append(0, np.cumsum([0 if one else len(part.supports) for part in parts]))
-    for part, start, offset, ground in zip(parts, left, first_body, below):
-        table = part.contacts
-        bodies.append(replace(part.bodies, x=part.bodies.x + start))
-        contacts.append(
-            replace(
-                table,
-                x=table.x + start,
-                first=np.where(table.first < 0, table.first - ground, table.first + offset),
-                second=table.second + offset,
-            )
-        )
-    # bricks of all walls first, as of one; joints before the glue of caps
-    is_other = np.concatenate([np.arange(len(p.bodies)) >= p.n_bricks for p in parts])
-    is_glue = np.concatenate([np.arange(len(p.contacts)) >= p.n_joints for p in parts])
-    order, places = (np.argsort(flags, kind="stable") for flags in (is_other, is_glue))
-    new = np.argsort(order)
-    wall, joint_wall = (
-        np.repeat(np.arange(len(parts)), [len(getattr(p, name)) for p in parts])[index]
-        for name, index in (("bodies", order), ("contacts", places))
-    )
-    table = taken(concatenated(contacts), np.repeat(places, 3))
-    share = np.tile(SHARES, len(places))
-    table = replace(
-        table,
-        first=np.where(table.first < 0, table.first, new[table.first]),
-        second=new[table.second],
-        length=table.length * share,
-        area=table.area * share,
-    )
-    body = taken(concatenated(bodies), order)
-    y, joint_wall = np.tile(THROUGH * thickness / 2, len(places)), np.repeat(joint_wall, 3)
-    along = np.array([one.axes for one in house.walls])[joint_wall]
-    upright = table.upright[:, None]
-    axes = np.stack(
-        [
-            np.where(upright, along[:, 0], along[:, 2]),
-            np.where(upright, along[:, 2], along[:, 0]),
-            along[:, 1],
-        ],
-        axis=1,
-    )
+    thickness, n_rows = house.masonry.brick.thickness, len(THROUGH)
+    walls = _beside(parts, left)
+    n_points = len(walls.contacts)
+    table = taken(walls.contacts, np.repeat(np.arange(n_points), n_rows))
+    share = np.tile(SHARES, n_points)
+    table = replace(table, length=table.length * share, area=table.area * share)
+    y = np.tile(THROUGH * thickness / 2, n_points)
+    joint_wall = np.repeat(walls.joint_wall, n_rows)
     local = np.column_stack([table.x, y, table.z])
     ends = np.stack([np.maximum(table.first, 0), table.second])
-    half = np.where(table.upright, body.length[ends].min(axis=0), house.masonry.brick.height) / 2
-    supports = Supports(
-        *(
-            np.concatenate([getattr(p.supports, end) + at for p, at in zip(parts, left)])
-            for end in ("left", "right")
-        )
-    )
-    ground = _along_heading(house, parts, left, supports)
-    if one:
-        supports = Supports(np.array([0.0]), left[-1:] + lengths[-1:])
-        ground = ground[0].min(keepdims=True), ground[1].max(keepdims=True)
-    drift_bodies = [new[part.drift_bodies + offset] for part, offset in zip(parts, first_body)]
+    shorter = walls.bodies.length[ends].min(axis=0)
+    supports, ground_left, ground_right = _ground(house, parts, left)
+    drift_bodies = [
+        walls.new[part.drift_bodies + offset] for part, offset in zip(parts, walls.first_body)
+    ]
     drift_heights = np.array([part.drift_height for part in parts])
     return HouseLayout(
         wall=house.masonry,
         plan=parts[0].plan,
         options=parts[0].options,
-        bodies=body,
+        bodies=walls.bodies,
         cells=Cells(*np.zeros((3, 0))),
         contacts=table,
-        n_bricks=int((~is_other).sum()),
-        n_joints=3 * int((~is_glue).sum()),
+        n_bricks=walls.n_bricks,
+        n_joints=n_rows * walls.n_joints,
         drift_bodies=np.concatenate(drift_bodies),
         drift_height=float(drift_heights.mean()),
         supports=supports,
@@ -168,18 +181,39 @@ def _together(house, parts):
         left=left,
         wall_drift_bodies=drift_bodies,
         drift_heights=drift_heights,
-        ground_left=ground[0],
-        ground_right=ground[1],
-        body_wall=wall,
-        across_inertia=_across_inertia(body, thickness),
-        offset=np.zeros(len(body)),
-        depth=np.full(len(body), thickness),
+        ground_left=ground_left,
+        ground_right=ground_right,
+        body_wall=walls.body_wall,
+        across_inertia=_across_inertia(walls.bodies, thickness),
+        offset=np.zeros(len(walls.bodies)),
+        depth=np.full(len(walls.bodies), thickness),
         joint_wall=joint_wall,
         y=y,
         place=placed(house, left, joint_wall, local),
-        axes=axes,
-        reach=half,
+        axes=_axes(house, joint_wall, table.upright[:, None]),
+        reach=np.where(table.upright, shorter, house.masonry.brick.height) / 2,
     )
+
+
+def _axes(house, joint_wall, upright):
+    """Axes of contact points of these walls (n_contacts, 3, 3); upright: (n_contacts, 1)."""
+    along, across, up = np.array([one.axes for one in house.walls])[joint_wall].transpose(1, 0, 2)
+    normal, tangent = np.where(upright, along, up), np.where(upright, up, along)
+    return np.stack([normal, tangent, across], axis=1)
+
+
+def _ground(house, parts, left):
+    """Supports below unfolded walls, and their ends along the heading (n_supports,) [m]."""
+    ends = [
+        np.concatenate([getattr(part.supports, end) + start for part, start in zip(parts, left)])
+        for end in ("left", "right")
+    ]
+    supports = Supports(*ends)
+    ground_left, ground_right = _along_heading(house, parts, left, supports)
+    if parts[0].options.supports != "one":
+        return supports, ground_left, ground_right
+    last = Supports(np.array([0.0]), left[-1:] + parts[-1].wall.length)
+    return last, ground_left.min(keepdims=True), ground_right.max(keepdims=True)
 
 
 def _along_heading(house, parts, left, supports):

@@ -172,98 +172,103 @@ def _catalogue(asked):
 
 def _lives_options(within, strong):
     """Options of how lives are drawn and run, with these defaults."""
-    return (
-        group(
-            "lives",
-            arg(
-                "--seed",
-                type=number_from(0, 2**31, int),
-                default=0,
-                metavar="N",
-                help="of the draws (default 0)",
-            ),
-            arg(
-                "--above",
-                dest="above_mm_s",
-                type=number_from(0.01, 1000),
-                default=8.0,
-                metavar="MM_S",
-                help="PGV from which an event is part of a life (default 8); the largest always is",
-            ),
-            arg(
-                "--within",
-                dest="within_km",
-                type=number_from(0.1, 1000),
-                default=within,
-                metavar="KM",
-                help=f"stations whose records are used (default {within:g} km from the epicentre)",
-            ),
-            arg(
-                "--scale-to",
-                default="pgv",
-                metavar="pgv|sa",
-                help=(
-                    "what records are scaled to: the drawn PGV "
-                    "(default), or the spectral acceleration at 0.2 s that it implies"
-                ),
-            ),
-            arg(
-                "--strong",
-                nargs=2,
-                type=float,
-                default=strong,
-                metavar="SHARE",
-                help=(
-                    "shares of the Arias "
-                    "intensity that a record's window leaves out at its start and end (default "
-                    f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)"
-                ),
+    return _draw_options(within, strong), _RUN_OPTIONS, _BATCH_OPTIONS
+
+
+def _draw_options(within, strong):
+    """The group of options of how lives are drawn, with these defaults."""
+    return group(
+        "lives",
+        arg(
+            "--seed",
+            type=number_from(0, 2**31, int),
+            default=0,
+            metavar="N",
+            help="of the draws (default 0)",
+        ),
+        arg(
+            "--above",
+            dest="above_mm_s",
+            type=number_from(0.01, 1000),
+            default=8.0,
+            metavar="MM_S",
+            help="PGV from which an event is part of a life (default 8); the largest always is",
+        ),
+        arg(
+            "--within",
+            dest="within_km",
+            type=number_from(0.1, 1000),
+            default=within,
+            metavar="KM",
+            help=f"stations whose records are used (default {within:g} km from the epicentre)",
+        ),
+        arg(
+            "--scale-to",
+            default="pgv",
+            metavar="pgv|sa",
+            help=(
+                "what records are scaled to: the drawn PGV "
+                "(default), or the spectral acceleration at 0.2 s that it implies"
             ),
         ),
-        group(
-            "runs",
-            arg(
-                "--rest",
-                type=number_from(0, 100),
-                default=0.2,
-                metavar="S",
-                help="free vibration after each event (default 0.2), before the damped stage",
+        arg(
+            "--strong",
+            nargs=2,
+            type=float,
+            default=strong,
+            metavar="SHARE",
+            help=(
+                "shares of the Arias "
+                "intensity that a record's window leaves out at its start and end (default "
+                f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)"
             ),
-            arg(
-                "--strength-cov",
-                type=number_from(0, 2),
-                default=0.3,
-                metavar="COV",
-                help="scatter of the joints' strengths (default 0.3)",
-            ),
-            arg(
-                "--inputs",
-                choices=("given", "tested", "typical"),
-                default="typical",
-                help=(
-                    "the wall as given, or what nobody knows of it drawn, with tests of its masonry"
-                    " or without (default typical)"
-                ),
-            ),
-            arg(
-                "--settle",
-                metavar="PROFILE|FILE.csv",
-                help="settlement of the ground before the first event",
-            ),
-            arg("--distortion", metavar="1/500", help="of a named profile"),
-        ),
-        group(
-            "batch",
-            arg(
-                "-j",
-                dest="jobs",
-                type=number_from(1, 9999, int),
-                metavar="N",
-                help="processes (default: one a core)",
-            ),
-            flag("--remake", "make runs again that another version made"),
         ),
     )
+
+
+_RUN_OPTIONS = group(
+    "runs",
+    arg(
+        "--rest",
+        type=number_from(0, 100),
+        default=0.2,
+        metavar="S",
+        help="free vibration after each event (default 0.2), before the damped stage",
+    ),
+    arg(
+        "--strength-cov",
+        type=number_from(0, 2),
+        default=0.3,
+        metavar="COV",
+        help="scatter of the joints' strengths (default 0.3)",
+    ),
+    arg(
+        "--inputs",
+        choices=("given", "tested", "typical"),
+        default="typical",
+        help=(
+            "the wall as given, or what nobody knows of it drawn, with tests of its masonry"
+            " or without (default typical)"
+        ),
+    ),
+    arg(
+        "--settle",
+        metavar="PROFILE|FILE.csv",
+        help="settlement of the ground before the first event",
+    ),
+    arg("--distortion", metavar="1/500", help="of a named profile"),
+)
+_BATCH_OPTIONS = group(
+    "batch",
+    arg(
+        "-j",
+        dest="jobs",
+        type=number_from(1, 9999, int),
+        metavar="N",
+        help="processes (default: one a core)",
+    ),
+    flag("--remake", "make runs again that another version made"),
+)
 
 
 @command(
