@@ -7,9 +7,8 @@ house.
 
 from dataclasses import replace
 
-from damage.law.modes import natural_modes
-
 from damage import Brick, Floor, Joint, Wall
+from damage.linear.modes import natural_modes
 from damage.reference.solver import ReferenceSolver
 from walls.variants.small import wall
 

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from damage.errors import InputError
-from damage.wall.house import KINDS_OF_CORNERS
+from damage.house.house import KINDS_OF_CORNERS
 from damage.wall.kinds import TINY
 
 SIZES = {"mm": 1e-3, "cm": 1e-2}
