@@ -40,10 +40,7 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
     """Draw a wall as of `wall_preview` into axes, in true scale; returns handles of a legend, and
     the height over the width of the axes."""
     wall = plan.wall
-    corners, kinds = (
-        body_corners(bodies, np.zeros((len(bodies), 3))),
-        kinds_of_bodies(bodies["course"]),
-    )
+    corners, kinds = body_corners(bodies), kinds_of_bodies(bodies["course"])
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
     for kind, face in style.BODY_COLOURS.items():
         style.add_bodies(ax, corners[kinds == kind], face, _edge(kind))
@@ -215,7 +212,7 @@ def modes_picture(layout, modes):
 
 def _draw_mode(ax, layout, shape):
     bodies = body_table(layout)
-    rest = body_corners(bodies, np.zeros_like(shape))
+    rest = body_corners(bodies)
     # Small enough that rotations are displacements of the linear mode, then enlarged as such.
     moved = body_corners(bodies, 1e-6 * shape) - rest
     largest = np.hypot(moved[..., 0], moved[..., 1]).max()

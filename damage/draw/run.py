@@ -142,10 +142,7 @@ def heap_picture(history):
             " --after-fall whose wall fell; run it again with both"
         )
     motion = history.displacement[-1].astype(float)
-    before, now = (
-        body_corners(history.bodies, np.zeros_like(motion)),
-        body_corners(history.bodies, motion),
-    )
+    before, now = body_corners(history.bodies), body_corners(history.bodies, motion)
     kinds = kinds_of_bodies(history.bodies["course"])
     figure, ax = style.new_figure(1.0)
     layers = [
@@ -226,10 +223,7 @@ def contact_force_picture(history, moment="max"):
     """
     (sample,), bodies = choose_samples(history, [moment]), history.bodies
     force, place = contact_forces(history, sample), history.joints[["x_m", "z_m"]].to_numpy()
-    corners, kinds = (
-        body_corners(bodies, np.zeros((len(bodies), 3))),
-        kinds_of_bodies(bodies["course"]),
-    )
+    corners, kinds = body_corners(bodies), kinds_of_bodies(bodies["course"])
     figure, ax = _figure_of_bodies(corners, kinds)
     size = np.hypot(*force.T)
     largest = max(size.max(), 1.0)
@@ -475,9 +469,8 @@ def drift_picture(history):
     range."""
     check_samples(history)
     figure, ax = style.new_figure(2.1)
-    ratio = history.series["drift_ratio"].to_numpy()
-    factor, unit = style.drift_scale(ratio)
-    largest_pct = 100 * np.abs(ratio).max()
+    drift, unit = style.scaled_drift(history)
+    largest_pct = 100 * history.series["drift_ratio"].abs().max()
     limits = [
         limit for limit in DRIFT_LIMITS_PCT if limit[0] <= 1.1 * largest_pct <= LIMITS_UP_TO_PCT
     ]
@@ -485,7 +478,7 @@ def drift_picture(history):
         for side in (-value, value):
             ax.axhline(side, color=style.MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
     handles = ax.get_lines()[::2]
-    ax.plot(history.series["time_s"], factor * ratio, color=style.BLUE)
+    ax.plot(history.series["time_s"], drift, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
     ax.set(ylabel=f"drift ratio [{unit}]")
     style.add_title(figure, history)
@@ -508,9 +501,8 @@ def hysteresis_picture(history):
             " with a motion"
         )
     figure, ax = style.new_figure(2.4)
-    ratio = history.series["drift_ratio"].to_numpy()
-    factor, unit = style.drift_scale(ratio)
-    drift, shear_kn = factor * ratio, history.series["base_shear_n"].to_numpy() / 1e3
+    drift, unit = style.scaled_drift(history)
+    shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
     stage = history.series["stage"].to_numpy()
     ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
     ax.axvline(0, color=style.LIGHT, lw=0.6, zorder=0)
@@ -616,15 +608,11 @@ def pictures_beside(history):
     found = {"heap": heap_picture} if has_heap(history) else {}
     found |= {"stress_max": stress_picture} if has_stresses(history) else {}
     found |= {"sequence": sequence_picture} if has_sequence(history) else {}
-    return (
-        found
-        if history.joint_stress_pa is None
-        else found
-        | {
-            f"contact_forces_{moment}": partial(contact_force_picture, moment=moment)
-            for moment in ("rest", "max")
-        }
-    )
+    moments = () if history.joint_stress_pa is None else ("rest", "max")
+    return found | {
+        f"contact_forces_{moment}": partial(contact_force_picture, moment=moment)
+        for moment in moments
+    }
 
 
 def save_all(history, folder):

@@ -82,9 +82,9 @@ def add_lines(ax, segments, colours, width, **more):
     ax.add_collection(LineCollection(segments, colors=colours, linewidths=width, **more))
 
 
-def line_handle(colour, label, width=0.9, line="-"):
-    """A line of a legend."""
-    return Line2D([], [], color=colour, lw=width, ls=line, label=label)
+def line_handle(colour, label, width=0.9, line="-", **more):
+    """A line of a legend, or a mark where the line is ""."""
+    return Line2D([], [], color=colour, lw=width, ls=line, label=label, **more)
 
 
 def mark_handle(mark, label):
@@ -198,6 +198,13 @@ def drift_scale(*ratios):
         default=0.0,
     )
     return (1e6, "µm per m") if 0 < largest < TINY_DRIFT else (100.0, "%")
+
+
+def scaled_drift(history):
+    """Drift of a History over time (n_times,) in the unit of its axis, and that unit."""
+    ratio = history.series["drift_ratio"].to_numpy()
+    factor, unit = drift_scale(ratio)
+    return factor * ratio, unit
 
 
 def plain_numbers(axis):

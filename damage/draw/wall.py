@@ -173,7 +173,7 @@ def shape_at(
 def magnification(bodies, motion):
     """Factor that makes the largest displacement of a corner about VISIBLE_SHARE of the bricks'
     height: 1, 2 or 5 times a power of ten, from 1 to LARGEST_MAGNIFICATION; 1 without motion."""
-    rest = geometry.body_corners(bodies, np.zeros_like(motion))
+    rest = geometry.body_corners(bodies)
     moved = geometry.body_corners(bodies, motion) - rest
     largest = float(np.max(np.hypot(moved[..., 0], moved[..., 1])))
     return visible(largest, float(rest[bodies["course"].to_numpy() >= 0, :, 1].max()))

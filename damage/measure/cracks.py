@@ -130,6 +130,13 @@ def ends_of(table):
     return table[list(ENDS)].to_numpy(float).reshape(-1, 2, 2)
 
 
+def points_along(ends, number=20):
+    """Points in the middles of equal parts of straight lines with these ends (n, 2, 2), (n, number,
+    2) [m]."""
+    share = (np.arange(number) + 0.5) / number
+    return ends[:, :1] + share[:, np.newaxis] * (ends[:, 1:] - ends[:, :1])
+
+
 def cracks_at(history, sample, threshold=THRESHOLD):
     """`crack_table` of a History at a sample, with slip by displacement.
 

@@ -73,10 +73,14 @@ def _names(kind, slip):
         _names("residual", "displacement"): Column(
             "1", "the last state of the settling stage, or of a collapse"
         ),
-        _names("max", "accumulated"): Column("1", "the same with slip accumulated"),
-        _names("residual", "accumulated"): Column("1", "the same with slip accumulated"),
-        _names("max", "shear-limit"): Column("1", "the same with slip by the shear limit"),
-        _names("residual", "shear-limit"): Column("1", "the same with slip by the shear limit"),
+        **{
+            _names(kind, slip): Column("1", f"the same with slip {words}")
+            for slip, words in {
+                "accumulated": "accumulated",
+                "shear-limit": "by the shear limit",
+            }.items()
+            for kind in ("max", "residual")
+        },
     }
 )
 def index_measures(history, threshold, drift_limit, slip):

@@ -103,8 +103,10 @@ def displaced(bodies, motion, body, points, magnify=1.0, supports=AT_REST):
     )
 
 
-def body_corners(bodies, motion, magnify=1.0):
-    """Corners of every body after its magnified motion, (n_bodies, 4, 2) [m]."""
+def body_corners(bodies, motion=None, magnify=1.0):
+    """Corners of every body after its magnified motion, (n_bodies, 4, 2) [m]; motion: None for
+    bodies at rest."""
+    motion = np.zeros((len(bodies), 3)) if motion is None else motion
     centre = bodies[["x_m", "z_m"]].to_numpy()[:, None]
     size = bodies[["length_m", "height_m"]].to_numpy()[:, None]
     return displaced(bodies, motion, np.arange(len(bodies)), centre + size * _CORNERS, magnify)

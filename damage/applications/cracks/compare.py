@@ -262,13 +262,8 @@ def cohens_kappa(here, there):
     here, there = np.asarray(here), np.asarray(there)
     if len(here) == 0:
         return None
-    shares = np.array(
-        [
-            [np.mean(values == state) for state in range(len(JOINT_STATES))]
-            for values in (here, there)
-        ]
-    )
-    chance, observed = float(shares[0] @ shares[1]), float(np.mean(here == there))
+    mine, theirs = (np.bincount(values, minlength=len(JOINT_STATES)) for values in (here, there))
+    chance, observed = float(mine @ theirs) / len(here) ** 2, float(np.mean(here == there))
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)
 
 

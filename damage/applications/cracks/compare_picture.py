@@ -3,8 +3,6 @@
 from textwrap import fill
 
 import numpy as np
-from matplotlib.collections import LineCollection
-from matplotlib.lines import Line2D
 
 from damage.applications.cracks.compare import (
     compare_drift,
@@ -40,23 +38,13 @@ def compare_picture(first, second):
     handles = []
     for state, (label, colour, width) in JOINTS.items():
         chosen = (agreement == state) & ~elastic
-        below.add_collection(LineCollection(segments[chosen], colors=colour, linewidths=width))
-        handles.append(
-            Line2D(
-                [], [], color=colour, lw=max(width, 0.8), label=f"{label}: {chosen.sum()} points"
-            )
-        )
+        style.add_lines(below, segments[chosen], colour, width)
+        words = f"{label}: {chosen.sum()} points"
+        handles.append(style.line_handle(colour, words, max(width, 0.8)))
     below.autoscale_view()
     below.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
-    below.add_collection(
-        LineCollection(
-            segments[elastic],
-            colors=JOINT_COLOURS["elastic"],
-            label="elastic",
-            linewidths=THIN["elastic"],
-            linestyles=DASHES["elastic"],
-        )
-    )
+    how = JOINT_COLOURS["elastic"], THIN["elastic"]
+    style.add_lines(below, segments[elastic], *how, label="elastic", linestyles=DASHES["elastic"])
     joints = compare_joints(first, second)
     kappa = (
         "nothing failed"
@@ -68,16 +56,8 @@ def compare_picture(first, second):
     )
     figure.suptitle(f"{fill(run_title(first), style.TITLE_CHARACTERS)}\n{kappa}", x=0.02, ha="left")
     if elastic.any():
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=JOINT_COLOURS["elastic"],
-                lw=0.8,
-                ls=DASHES["elastic"],
-                label=f"elastic, cannot fail: {elastic.sum()} points",
-            )
-        )
+        words = f"elastic, cannot fail: {elastic.sum()} points"
+        handles.append(style.line_handle(JOINT_COLOURS["elastic"], words, 0.8, DASHES["elastic"]))
     style.legend_below(figure, lines + handles, columns=2)
     return figure
 

@@ -2,10 +2,9 @@
 on."""
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.lines import Line2D
 
 from damage.draw import style
+from damage.draw.run import show_all
 from damage.draw.wall import COLUMN_PT, line_width, widest_line
 from damage.index import THRESHOLD
 from damage.measure.cracks import ends_of
@@ -36,47 +35,21 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     figure, ax = style.new_figure(
         0.5 + (style.COLUMN_WIDTH - 0.5) * wall.built_height / wall.length
     )
-    bricks = body_corners(body_table(layout), np.zeros((len(layout.bodies), 3)))[: layout.n_bricks]
-    ax.add_collection(
-        PolyCollection(bricks, facecolors=style.BRICK_COLOUR, edgecolors="none", zorder=1)
-    )
-    ax.add_collection(
-        LineCollection(tributary_ends(joint_table(layout)), colors="0.8", linewidths=0.25, zorder=2)
-    )
+    bricks = body_corners(body_table(layout))[: layout.n_bricks]
+    style.add_bodies(ax, bricks, style.BRICK_COLOUR, zorder=1)
+    style.add_lines(ax, tributary_ends(joint_table(layout)), "0.8", 0.25, zorder=2)
     states, table = joint_states(mapped.table, threshold), mapped.table
     widest_pt = widest_line(
         layout.bodies.height[: layout.n_bricks].min(), (wall.length, wall.built_height), COLUMN_PT
     )
     drawn = pattern.stretches
-    ax.add_collection(
-        LineCollection(
-            ends_of(drawn),
-            colors=style.SKY,
-            capstyle="round",
-            zorder=2.5,
-            linewidths=line_width(drawn["width_m"].to_numpy(float), widest_pt) + HALO,
-        )
-    )
+    widths = line_width(drawn["width_m"].to_numpy(float), widest_pt) + HALO
+    style.add_lines(ax, ends_of(drawn), style.SKY, widths, capstyle="round", zorder=2.5)
     for state, (_, colour) in STATES.items():
         rows = table[states == state]
-        ax.add_collection(
-            LineCollection(
-                ends_of(rows),
-                colors=colour,
-                capstyle="butt",
-                zorder=3,
-                linewidths=line_width(rows["width_m"].to_numpy(float), widest_pt),
-            )
-        )
-    margin = 0.02 * max(wall.length, wall.built_height)
-    ax.axhspan(-margin, 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
-    ax.set(
-        xlim=(-margin, wall.length + margin),
-        ylim=(-margin, wall.built_height + margin),
-        aspect="equal",
-        xlabel="x [m]",
-        ylabel="z [m]",
-    )
+        widths = line_width(rows["width_m"].to_numpy(float), widest_pt)
+        style.add_lines(ax, ends_of(rows), colour, widths, capstyle="butt", zorder=3)
+    show_all(ax, np.array([[0.0, 0.0], [wall.length, wall.built_height]]))
     drift = "unknown" if np.isnan(pattern.drift_ratio) else f"{100 * pattern.drift_ratio:.3g} %"
     figure.suptitle(
         f"{wall.name}, load level {pattern.level:g}, drift ratio {drift}\n{mapped.drawn_m:.2f} m"
@@ -103,9 +76,9 @@ def _handles(states, threshold, widest_pt):
     width = line_width(0.5 * MILLIMETRE, widest_pt)
     limit = f"{threshold / MILLIMETRE:g} mm"
     return [
-        Line2D([], [], color=style.SKY, lw=width + HALO, label="as drawn"),
+        style.line_handle(style.SKY, "as drawn", width + HALO),
         *(
-            Line2D([], [], color=colour, lw=width, label=label.format(limit=limit))
+            style.line_handle(colour, label.format(limit=limit), width)
             for state, (label, colour) in STATES.items()
             if np.any(states == state)
         ),

@@ -90,7 +90,7 @@ def _only_with(what, asked, needed=None, without=()):
 def history_report(history, samples, threshold, drift_limit, psi_from, export):
     """The cracks of a History at samples (indices), a dictionary; written to `export` if it is
     given."""
-    index, total = history.index(threshold, drift_limit), float(history.joint_length_m.sum())
+    index = history.index(threshold, drift_limit)
     width = np.hypot(history.opening_m, history.slip_by("displacement"))
     levels = []
     for number, sample in enumerate(samples, start=1):
@@ -124,16 +124,22 @@ def history_report(history, samples, threshold, drift_limit, psi_from, export):
                 ),
             ],
         )
+    run = psi_summary(history, psi_from) | {"psi_from_mm": psi_from / MILLIMETRE}
+    total = float(history.joint_length_m.sum())
+    shown = _report(history.wall, "simulation", total, levels, threshold, psi_from)
+    return shown | {"run": run, "notes": []}
+
+
+def _report(wall, source, total_m, levels, threshold, psi_from):
+    """What all reports have, a dictionary; total_m: length of the joints [m]."""
     return {
-        "wall": history.wall,
-        "source": "simulation",
+        "wall": wall,
+        "source": source,
         "threshold_mm": threshold / MILLIMETRE,
         "psi_from_mm": psi_from / MILLIMETRE,
-        "total_joint_length_m": total,
+        "total_joint_length_m": total_m,
         "levels": levels,
         "max": largest(levels),
-        "run": psi_summary(history, psi_from) | {"psi_from_mm": psi_from / MILLIMETRE},
-        "notes": [],
     }
 
 
@@ -152,16 +158,9 @@ def pattern_report(patterns, layout, threshold, drift_limit, psi_from, tolerance
         describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
         for pattern, cracks in zip(patterns, mapped)
     ]
-    return {
-        "wall": layout.wall.name,
-        "source": "digitised cracks",
-        "threshold_mm": threshold / MILLIMETRE,
-        "psi_from_mm": psi_from / MILLIMETRE,
-        "total_joint_length_m": layout.total_joint_length,
-        "levels": levels,
-        "max": largest(levels),
-        "notes": list(_notes(levels)),
-    }, mapped
+    about = layout.wall.name, "digitised cracks", layout.total_joint_length
+    report = _report(*about, levels, threshold, psi_from)
+    return report | {"notes": list(_notes(levels))}, mapped
 
 
 def field_report(path, wall, margin, threshold, drift_limit, psi_from, export):

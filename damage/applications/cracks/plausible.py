@@ -3,8 +3,8 @@
 import numpy as np
 
 from damage.fields import message_of, plausible
+from damage.measure.cracks import points_along
 
-_PARTS = 20  # of a straight part
 CRACK_WIDTH = plausible(
     0.01, 200, "mm", "visible by a lens; a wall that is about to fall", others={"m": 1e3, "cm": 10}
 )
@@ -43,8 +43,7 @@ def _share_off(ends, wall):
     """Share of the length of cracks that lies beside a wall, above its outline or in its openings,
     by more than a course."""
     length, reach = np.hypot(*(ends[:, 1] - ends[:, 0]).T), wall.brick.height
-    share = (np.arange(_PARTS) + 0.5) / _PARTS
-    x, z = np.moveaxis(ends[:, :1] + share[:, None] * (ends[:, 1:] - ends[:, :1]), -1, 0)
+    x, z = np.moveaxis(points_along(ends), -1, 0)
     top = np.interp(x, *zip(*wall.outline)) if wall.outline else wall.built_height
     off = (x < -reach) | (x > wall.length + reach) | (z < -reach) | (z > top + reach)
     for opening in wall.openings:

@@ -56,72 +56,44 @@ FIGURES = {
 
 @dataclass(frozen=True)
 class LaboratoryTest:
-    """Measured numbers of one wall; pairs are of the two directions of loading.
+    """Measured numbers of one wall.
 
-    peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (positive,
-    negative);
-    drifts are ratios; first_crack: the drift at which one was seen, None where none was; mode: of
-    MODES; height [m].
+    peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (2,), of loading
+    in positive and in negative direction; drifts are ratios; first_crack: the drift at which one
+    was seen, None where none was; mode: of MODES; height [m].
     """
 
     specimen: str
     mode: str
     height: float
-    peak_force_n: tuple[float, float]
-    drift_at_peak: tuple[float, float]
-    bilinear_force_n: tuple[float, float]
-    elastic_drift: tuple[float, float]
-    ultimate_drift: tuple[float, float]
+    peak_force_n: np.ndarray
+    drift_at_peak: np.ndarray
+    bilinear_force_n: np.ndarray
+    elastic_drift: np.ndarray
+    ultimate_drift: np.ndarray
     first_crack: float | None
 
     @property
     def stiffness_n_per_m(self):
         """Of the bilinear idealisation, in both directions."""
-        return tuple(
-            force / (drift * self.height)
-            for force, drift in zip(self.bilinear_force_n, self.elastic_drift)
-        )
+        return self.bilinear_force_n / (self.elastic_drift * self.height)
 
     @property
     def energy_j(self):
         """Energy below the bilinear idealisation up to the ultimate drift, in both directions."""
-        return tuple(
-            force * (ultimate - elastic / 2) * self.height
-            for force, elastic, ultimate in zip(
-                self.bilinear_force_n, self.elastic_drift, self.ultimate_drift
-            )
-        )
+        plateau = self.ultimate_drift - self.elastic_drift / 2
+        return self.bilinear_force_n * plateau * self.height
 
     @property
     def figures(self):
         """{name: mean over both directions} of FIGURES; at its ultimate drift 0.8 of the peak are
         left."""
-        names = {
+        pairs = {name: getattr(self, name) for name in FIGURES if hasattr(self, name)} | {
             "force_n": self.bilinear_force_n,
-            **{
-                name: getattr(self, name)
-                for name in (
-                    "stiffness_n_per_m",
-                    "peak_force_n",
-                    "drift_at_peak",
-                    "energy_j",
-                    "elastic_drift",
-                    "ultimate_drift",
-                )
-            },
+            "mean_force_n": self.energy_j / self.ultimate_drift / self.height,
         }
-        found = {name: float(np.mean(pair)) for name, pair in names.items()}
-        return found | {
-            "left_n": capacity.ULTIMATE_SHARE * found["peak_force_n"],
-            "mean_force_n": float(
-                np.mean(
-                    [
-                        energy / drift / self.height
-                        for energy, drift in zip(self.energy_j, self.ultimate_drift)
-                    ]
-                )
-            ),
-        }
+        found = {name: float(np.mean(pair)) for name, pair in pairs.items()}
+        return found | {"left_n": capacity.ULTIMATE_SHARE * found["peak_force_n"]}
 
 
 def read_test(specimen):
@@ -132,7 +104,7 @@ def read_test(specimen):
     row = table.loc[specimen]
 
     def pair(name, unit, factor):
-        return tuple(float(row[f"{name}{sign}_{unit}"]) * factor for sign in "+-")
+        return row[[f"{name}{sign}_{unit}" for sign in "+-"]].to_numpy(float) * factor
 
     return LaboratoryTest(
         specimen,

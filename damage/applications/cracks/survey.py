@@ -32,6 +32,7 @@ from damage.measure.cracks import (
     cracked,
     ends_of,
     mean_width,
+    points_along,
     psi,
     psi_value,
 )
@@ -198,9 +199,7 @@ def _refuse_contradictions(pattern, file, wall):
 def _share_in(ends, areas):
     """Share of the length of straight parts (n, 2, 2) in rectangles (n, 4) [m], by 20 points of
     each."""
-    share = (np.arange(20) + 0.5) / 20
-    place = ends[:, :1] + share[:, np.newaxis] * (ends[:, 1:] - ends[:, :1])
-    return _within(place, areas).mean(axis=1)
+    return _within(points_along(ends), areas).mean(axis=1)
 
 
 def _within(place, areas):

@@ -170,6 +170,12 @@ def _catalogue(asked):
     )
 
 
+def _draws(words, **more):
+    """The option of how many lives are drawn."""
+    draws = arg("--draws", type=number_from(2, 10000, int), metavar="N", help=words, **more)
+    return group("lives", draws)
+
+
 def _lives_options(within, strong):
     """Options of how lives are drawn and run, with these defaults."""
     return _draw_options(within, strong), _RUN_OPTIONS, _BATCH_OPTIONS
@@ -278,16 +284,7 @@ _BATCH_OPTIONS = group(
     WALL,
     *_ADDRESS,
     *_lives_options(10.0, (0.05, 0.1)),
-    group(
-        "lives",
-        arg(
-            "--draws",
-            type=number_from(2, 10000, int),
-            default=100,
-            metavar="N",
-            help="lives (default 100)",
-        ),
-    ),
+    _draws("lives (default 100)", default=100),
     out("folder of the study: tables, pictures, report"),
     examples=(
         "symmetric --at 53.36 6.75 --out results/life",
@@ -304,10 +301,7 @@ def _life(asked):
     draws.life(1)  # says what is wrong before anything is written
     wall_path(asked.wall)
     warn(*draws.exposure.warnings)
-    options = {
-        "rest": asked.rest,
-        "strength-cov": asked.strength_cov,
-        "inputs": asked.inputs,
+    options = _options_of(asked) | {
         "settle": _from_here(asked.settle),
         "distortion": asked.distortion,
     }
@@ -333,6 +327,11 @@ def _life(asked):
         )
 
 
+def _options_of(asked):
+    """{name: value} of the options of every run."""
+    return {"rest": asked.rest, "strength-cov": asked.strength_cov, "inputs": asked.inputs}
+
+
 def _from_here(settle):
     """A settlement whose file, if it is one, is found from any folder."""
     return str(Path(settle).resolve()) if settle and is_there(settle) else settle
@@ -351,18 +350,9 @@ def _from_here(settle):
         ),
     ),
     *_lives_options(3.5, (0.05, 0.15)),
-    group(
-        "lives",
-        arg(
-            "--draws",
-            type=number_from(2, 10000, int),
-            metavar="N",
-            help=(
-                "draws (default: 10 for a first sheet, then 96 and more, up to 800, until the"
-                " intervals are narrow and enough draws resemble the survey; an answer needs 50"
-                " that do)"
-            ),
-        ),
+    _draws(
+        "draws (default: 10 for a first sheet, then 96 and more, up to 800, until the intervals"
+        " are narrow and enough draws resemble the survey; an answer needs 50 that do)"
     ),
     group(
         "runs",
@@ -421,7 +411,7 @@ def _make_claim(asked):
             asked.wall,
             _address_of(asked),
             asked.cracks,
-            {"rest": asked.rest, "strength-cov": asked.strength_cov, "inputs": asked.inputs},
+            _options_of(asked),
             settlement,
             asked.draws,
             asked.language,

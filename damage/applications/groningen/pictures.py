@@ -72,7 +72,7 @@ def _over_time(ax, shown, named):
     ax.legend(
         handles=[
             Line2D([], [], ls="", marker="o", color=style.BLUE, ms=2.2, label="median"),
-            Line2D([], [], color=style.MEDIUM, lw=0.8, label="up to what is exceeded with 1 %"),
+            style.line_handle(style.MEDIUM, "up to what is exceeded with 1 %", 0.8),
         ],
         ncols=2,
         loc="lower left",

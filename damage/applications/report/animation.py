@@ -234,9 +234,8 @@ def _draw_below(ax, history, samples, until_s):
     until_s: time of the last snapshot [s], which may follow the last sample.
     """
     time_s = history.series["time_s"].to_numpy()
-    ratio = history.series["drift_ratio"].to_numpy()
-    factor, unit = style.drift_scale(ratio)
-    ax.plot(time_s, factor * ratio, color=style.BLUE)
+    drift, unit = style.scaled_drift(history)
+    ax.plot(time_s, drift, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
     ax.set(
         ylabel=f"drift [{unit}]",
