@@ -263,12 +263,17 @@ def laws(bench):
                 row(label, name, run(bench, name, label, law, push(name)))
 
 
+def draws(bench, name, words):
+    """Print a row for each draw of a wall by the prediction."""
+    for seed in SEEDS:
+        row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
+
+
 def prediction(bench):
     """Pushes by the prediction, with several draws of the strengths."""
     print_table(*HEADS)
     for name in FARTHEST:
-        for seed in SEEDS:
-            row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, push(name), seed))
+        draws(bench, name, push(name))
 
 
 def cycles(bench):
@@ -298,8 +303,7 @@ def push_unseen(bench, name):
 def drawn(bench, name):
     """Print a row for each of two draws of such a wall; returns the words of its push."""
     words = push_unseen(bench, name)
-    for seed in SEEDS:
-        row(f"seed {seed}", name, run(bench, name, "prediction", PREDICTION, words, seed))
+    draws(bench, name, words)
     return words
 
 

@@ -22,6 +22,7 @@ prior of 0.5, and the share of draws that resemble a survey, from which follows 
 
 import sys
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -319,6 +320,11 @@ def print_rows(rows, title):
         )
 
 
+def _named(one, other, asked_of=""):
+    """The name of a Library with the number of draws that it is asked of, of another's if given."""
+    return f"{one.name}{asked_of} ({len((other or one).twins)} draws)"
+
+
 def main():
     asked = arguments(
         __doc__,
@@ -350,8 +356,7 @@ def main():
         "wrong",
     )
     for one, rows in zip(libraries, tables):
-        asked_of = f" asked of {other.name}" if other else ""
-        print_rows(rows, f"{one.name}{asked_of} ({len((other or one).twins)} draws)")
+        print_rows(rows, _named(one, other, f" asked of {other.name}" if other else ""))
     print()
     answers = (
         f"{what} {case.replace('_', ' ')}" for case in WITHOUT for what in ("answers", "wrong")
@@ -359,27 +364,15 @@ def main():
     print_table("wall", "claim", "cracks", *answers)
     for one, rows in zip(libraries, tables):
         if "cracks" in rows:
-            print_cracks(
-                rows.dropna(subset="cracks"), f"{one.name} ({len((other or one).twins)} draws)"
-            )
+            print_cracks(rows.dropna(subset="cracks"), _named(one, other))
     print()
-    print_table(
-        "wall",
-        *(
-            f"{what}: {table.replace('_', ' ')}"
-            for what in ("before", "added", "left")
-            for table in ("like_survey", "all_draws")
-        ),
-    )
+    columns = list(product(("before", "added", "left"), ("like_survey", "all_draws")))
+    print_table("wall", *(f"{what}: {table.replace('_', ' ')}" for what, table in columns))
     for one, rows in zip(libraries, tables):
         if "draws" in rows:
             print_row(
-                f"{one.name} ({len((other or one).twins)} draws)",
-                *(
-                    coverage(rows, f"{table}_{what}")
-                    for what in ("before", "added", "left")
-                    for table in ("like_survey", "all_draws")
-                ),
+                _named(one, other),
+                *(coverage(rows, f"{table}_{what}") for what, table in columns),
             )
     print()
     print_table("wall", "stated of 100", "claims", "mean stated", "true of 100")

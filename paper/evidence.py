@@ -249,12 +249,8 @@ class Evidence:
     def pushed_slowly(self, wall):
         """The Point of a wall's runs pushed as a cantilever so slowly that its stiffness has
         converged."""
-        motion = self.runs["motion"].astype(str)
-        rows = self.runs[
-            (self.runs["wall"] == wall)
-            & motion.str.contains("^(?:cyclic|pushover).*cantilever")
-            & (self.runs["speed_m_s"] <= CONVERGED_SPEED_M_S)
-        ]
+        rows = self._pushed(wall, "(?:cyclic|pushover)")
+        rows = rows[rows["speed_m_s"] <= CONVERGED_SPEED_M_S]
         if len(rows) == 0:
             raise NotThere(
                 f"no run of the {wall} wall pushed at {1e3 * CONVERGED_SPEED_M_S:g} mm/s or less,"
@@ -264,11 +260,15 @@ class Evidence:
 
     def cycled(self, wall):
         """The Point of a wall's runs pushed to and fro as a cantilever."""
-        motion = self.runs["motion"].astype(str)
-        rows = self.runs[(self.runs["wall"] == wall) & motion.str.contains("^cyclic.*cantilever")]
+        rows = self._pushed(wall, "cyclic")
         if len(rows) == 0:
             raise NotThere(f"no cyclic run of the {wall} wall")
         return Point(rows, f"{wall} wall, cyclic")
+
+    def _pushed(self, wall, how):
+        """The runs of a wall pushed as a cantilever; how: the beginning of their motion's name."""
+        motion = self.runs["motion"].astype(str)
+        return self.runs[(self.runs["wall"] == wall) & motion.str.contains(f"^{how}.*cantilever")]
 
 
 def _harmonic_key(wall, lintel, period_s, cycles):

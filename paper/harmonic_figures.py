@@ -5,7 +5,6 @@ Each function returns a Figure, or raises Missing when there is nothing to draw.
 """
 
 import numpy as np
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from damage.draw import panels
@@ -17,6 +16,7 @@ from damage.draw.style import (
     PURPLE,
     SKY,
     VERMILLION,
+    line_handle,
     shade_settling,
     styled,
 )
@@ -61,9 +61,7 @@ def motions(points):
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
     panels.add_heading(figure, "Harmonic base motions", marks.scale_note(axes))
-    return panels.finish(
-        figure, [Line2D([], [], color=colours[a], label=f"{a:g} g") for a in amplitudes], 5
-    )
+    return panels.finish(figure, [line_handle(colours[a], f"{a:g} g") for a in amplitudes], 5)
 
 
 @styled
@@ -93,11 +91,9 @@ def evolution(results, variant):
             _draw_evolution(ax, results, point)
         panels.from_zero(ax)
         ax.margins(x=0)
-    handles.append(
-        Line2D([], [], color=BLACK, lw=0.6, ls="--", label="DI, slip by the shear limit")
-    )
+    handles.append(line_handle(BLACK, "DI, slip by the shear limit", 0.6, "--"))
     if len(variant.reference) and len(variant.yade):
-        handles.append(Line2D([], [], color=PURPLE, lw=0.7, label="DI, YADE"))
+        handles.append(line_handle(PURPLE, "DI, YADE", 0.7))
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range of DI over runs"))
     handles.append(Patch(color=LIGHT, label="settling"))
@@ -175,13 +171,7 @@ def against_amplitude(results, variant, slip="displacement"):
         panels.SLIP_LABELS[slip],
         marks.scale_note(axes[:, 0]),
     )
-    return panels.finish(
-        figure,
-        marks.component_handles()
-        + marks.solver_handles(variant, collapsed)
-        + star_handles(printed),
-        columns=7,
-    )
+    return marks.finish_components(figure, variant, collapsed, star_handles(printed))
 
 
 @styled
@@ -225,13 +215,13 @@ def drifts(results, variant):
         marks.scale_note(axes),
     )
     first = "reference solver, first run" if len(variant.reference) else "YADE"
-    handles = [Line2D([], [], color=SKY, lw=1.5, label=first)]
+    handles = [line_handle(SKY, first, 1.5)]
     if len(variant.reference) and len(variant.yade):
-        handles.append(Line2D([], [], color=BLACK, lw=0.6, label="YADE"))
+        handles.append(line_handle(BLACK, "YADE", 0.6))
     if "cycle" in marked:
-        handles.append(Line2D([], [], color=VERMILLION, ls="--", lw=1.3, label="last full cycle"))
+        handles.append(line_handle(VERMILLION, "last full cycle", 1.3, "--"))
     if "collapse" in marked:
-        handles.append(Line2D([], [], color=VERMILLION, ls="", marker="x", ms=6, label="collapse"))
+        handles.append(line_handle(VERMILLION, "collapse", line="", marker="x", ms=6))
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range over runs"))
     return panels.finish(figure, handles)

@@ -9,11 +9,10 @@ import hashlib
 
 import matplotlib
 import numpy as np
-from matplotlib.lines import Line2D
 from scipy.optimize import least_squares
 
 from damage.draw import panels
-from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, styled
+from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, line_handle, styled
 from damage.draw.words import record_label
 from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
@@ -77,8 +76,8 @@ def records(results, points):
         _synthetic_note(names),
         *notes,
     )
-    handles = [Line2D([], [], color=colours[scale], label=f"× {scale:g}") for scale in scales]
-    handles.append(Line2D([], [], color=MEDIUM, ls=":", lw=0.8, label=f"{WALL_PERIOD_S:g} s"))
+    handles = [line_handle(colours[scale], f"× {scale:g}") for scale in scales]
+    handles.append(line_handle(MEDIUM, f"{WALL_PERIOD_S:g} s", 0.8, ":"))
     handles += star_handles([name for name in names if record_values(name)[1]])
     return panels.finish(figure, handles, columns=9)
 
@@ -135,13 +134,7 @@ def residual_against_pga(variant, slip="displacement"):
         _synthetic_note(names),
     )
     printed = [name for name in names if largest_residual(variant, name)[1] is not None]
-    return panels.finish(
-        figure,
-        marks.component_handles()
-        + marks.solver_handles(variant, collapsed)
-        + star_handles(printed),
-        columns=7,
-    )
+    return marks.finish_components(figure, variant, collapsed, star_handles(printed))
 
 
 @styled
@@ -187,15 +180,8 @@ def against_drift(variant, slip="displacement"):
     )
     handles = _record_handles(variant, names, markers, hollow)
     if trend:
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=BLUE,
-                lw=1.0,
-                label="second-order polynomial, least squares, nowhere negative",
-            )
-        )
+        words = "second-order polynomial, least squares, nowhere negative"
+        handles.append(line_handle(BLUE, words, 1.0))
     if collapsed:
         handles.append(marks.collapse_handle())
     return panels.finish(figure, handles, columns=2)
@@ -270,11 +256,11 @@ def nonnegative_parabola(x, y):
 def _record_handles(variant, names, markers, hollow):
     handles = []
     for name in names:
-        for solver, points, look in (
-            ("reference", variant.reference, {"marker": markers[name], "color": BLACK}),
-            ("YADE", variant.yade, {"marker": hollow[name], "mfc": "none", "mec": VERMILLION}),
+        for solver, points, (colour, mark) in (
+            ("reference", variant.reference, (BLACK, {"marker": markers[name]})),
+            ("YADE", variant.yade, (VERMILLION, {"marker": hollow[name], "mfc": "none"})),
         ):
             if len(points):
                 label = f"{record_label(name)}: {solver}, {marks.describe_members(points)}"
-                handles.append(Line2D([], [], ls="", ms=5, label=label, **look))
+                handles.append(line_handle(colour, label, line="", ms=5, **mark))
     return handles

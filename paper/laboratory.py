@@ -11,6 +11,8 @@ already in DIR are not run again.
 
 import math
 from dataclasses import replace
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -229,38 +231,49 @@ def by_cycle(history):
 # --- brittle joints: speed, damping and material --------------------------------------------------
 
 FRICTION_32 = math.radians(32)
+
+
+class Change(NamedTuple):
+    """A row of a table of pushes: what it is called, values of its joints, modulus of its masonry
+    [Pa], further words of the run."""
+
+    label: str
+    joint: dict = MappingProxyType({})
+    modulus: float | None = None
+    words: tuple = ()
+
+
 LOADINGS = [
-    (
+    Change(
         f"{speed:g} mm/s, local {damping}",
-        {},
-        None,
-        ["--speed", speed / 1e3, "--relaxation", "local", "--damping", damping],
+        words=("--speed", speed / 1e3, "--relaxation", "local", "--damping", damping),
     )
     for speed, damping in ((1, 0.7), (2, 0.7), (4, 0.7), (8, 0.7), (2, 0.4), (2, 0.2))
 ]
 LOADINGS += [
-    (f"{speed:g} mm/s, adaptive", {}, None, ["--speed", speed / 1e3]) for speed in (1, 2, 4)
+    Change(f"{speed:g} mm/s, adaptive", words=("--speed", speed / 1e3)) for speed in (1, 2, 4)
 ]
+STRONGER = Change("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6})
+HELD_TOP = Change("top fixed against rotation", words=FIXED)
 SQUAT = [
-    ("paper's material", {}, None, []),
-    ("cohesion 0.21 MPa", {"cohesion": 0.21e6}, None, []),
-    ("friction 0.42", {"friction_angle": math.atan(0.42)}, None, []),
-    ("tensile strength 0.10 MPa", {"tensile_strength": 0.10e6}, None, []),
-    ("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6}, None, []),
-    ("masonry modulus 3256 MPa", {}, 3256e6, []),
-    ("joint stiffness / 4", {"normal_stiffness": 3e11, "shear_stiffness": 1e11}, None, []),
-    ("strengths scatter by 30 %", {}, None, ["--strength-cov", 0.3]),
-    ("top fixed against rotation", {}, None, FIXED),
+    Change("paper's material"),
+    Change("cohesion 0.21 MPa", {"cohesion": 0.21e6}),
+    Change("friction 0.42", {"friction_angle": math.atan(0.42)}),
+    Change("tensile strength 0.10 MPa", {"tensile_strength": 0.10e6}),
+    STRONGER,
+    Change("masonry modulus 3256 MPa", modulus=3256e6),
+    Change("joint stiffness / 4", {"normal_stiffness": 3e11, "shear_stiffness": 1e11}),
+    Change("strengths scatter by 30 %", words=("--strength-cov", 0.3)),
+    HELD_TOP,
 ]
 SQUAT_TESTED = [
-    ("tested material", {}, None, []),
-    ("friction 0.625", {"friction_angle": FRICTION_32}, None, []),
-    ("cohesion 0.24 MPa", {"cohesion": 0.24e6}, None, []),
-    ("tensile strength 0.30 MPa", {"tensile_strength": 0.30e6}, None, []),
-    ("masonry modulus 4940 MPa", {}, 4940e6, []),
-    ("top fixed against rotation", {}, None, FIXED),
+    Change("tested material"),
+    Change("friction 0.625", {"friction_angle": FRICTION_32}),
+    Change("cohesion 0.24 MPa", {"cohesion": 0.24e6}),
+    STRONGER,
+    Change("masonry modulus 4940 MPa", modulus=4940e6),
+    HELD_TOP,
 ]
-"""What a row is called, values of its joints, modulus of its masonry [Pa], further words."""
 
 
 def speed(bench):

@@ -2,9 +2,9 @@
 and markers."""
 
 import numpy as np
-from matplotlib.lines import Line2D
 
-from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, VERMILLION
+from damage.draw.panels import finish
+from damage.draw.style import BLACK, BLUE, GREEN, MEDIUM, ORANGE, VERMILLION, line_handle
 from damage.draw.words import EVENTS, record_label, station_of
 
 COMPONENTS = {  # column of the tables: label, colour, marker
@@ -163,31 +163,12 @@ def solver_handles(variant, collapse=False):
     """Legend entries of the solvers."""
     handles = []
     if len(variant.reference):
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=MEDIUM,
-                marker="o",
-                ms=3.2,
-                lw=0.7,
-                label=f"reference: {describe_members(variant.reference)}",
-            )
-        )
+        label = f"reference: {describe_members(variant.reference)}"
+        handles.append(line_handle(MEDIUM, label, 0.7, marker="o", ms=3.2))
     if len(variant.yade):
-        handles.append(
-            Line2D(
-                [],
-                [],
-                ls="",
-                marker="o",
-                mfc="none",
-                mec=MEDIUM,
-                mew=0.8,
-                ms=5.6,
-                label=f"YADE: {describe_members(variant.yade)}",
-            )
-        )
+        label = f"YADE: {describe_members(variant.yade)}"
+        mark = {"marker": "o", "mfc": "none", "mew": 0.8, "ms": 5.6}
+        handles.append(line_handle(MEDIUM, label, line="", **mark))
     if collapse:
         handles.append(collapse_handle())
     return handles
@@ -195,9 +176,8 @@ def solver_handles(variant, collapse=False):
 
 def collapse_handle():
     """Legend entry of `mark_collapses`."""
-    return Line2D(
-        [], [], ls="", marker="x", color=VERMILLION, ms=6, label="a run collapsed: index as it fell"
-    )
+    label = "a run collapsed: index as it fell"
+    return line_handle(VERMILLION, label, line="", marker="x", ms=6)
 
 
 def describe_members(points):
@@ -211,11 +191,16 @@ def describe_members(points):
 def component_handles(slip_marker=True):
     """Legend entries of the index and its components."""
     return [
-        Line2D(
-            [], [], color=colour, marker=marker if slip_marker else "", ms=3.2, lw=0.9, label=label
-        )
+        line_handle(colour, label, marker=marker if slip_marker else "", ms=3.2)
         for label, colour, marker in COMPONENTS.values()
     ]
+
+
+def finish_components(figure, variant, collapsed, more):
+    """Add the legend of components, solvers and more handles to a figure; returns the figure."""
+    return finish(
+        figure, component_handles() + solver_handles(variant, collapsed) + more, columns=7
+    )
 
 
 OTHER_MARKERS = "4|_*"

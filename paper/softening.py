@@ -211,11 +211,11 @@ def patterns(bench):
             "control: 0.33 s, 0.1 g": [first, shaken(case, step, (0.33, 0.1), *more)],
         }
         for pair, (here, there) in others.items():
-            scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
+            scores = compare_patterns(here, there)
             print_row(
                 label,
                 pair,
-                "-" if kappa is None else f"{kappa:.2f}",
+                _score(compare_joints(here, there)["kappa"]),
                 *(
                     f"{_score(score['fss'])} ({_score(score['shuffled'])},"
                     f" {_score(score['mirrored'])})"
@@ -278,12 +278,12 @@ def yade_shaken(bench):
         ("reference", there),
         ("YADE", run(bench, name, "5/50", words, in_yade=True)),
     ):
-        scores, kappa = compare_patterns(here, there), compare_joints(here, there)["kappa"]
+        scores = compare_patterns(here, there)
         print_row(
             "5/50",
             solver,
             *numbers(here),
-            "-" if kappa is None else f"{kappa:.2f}",
+            _score(compare_joints(here, there)["kappa"]),
             *(_score(scores[which]["fss"]) for which in ("broken", "visible")),
         )
 

@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 
 from damage.draw import panels
 from damage.draw.run import draw_wall, joint_handles
-from damage.draw.style import BLACK, BLUE, GREEN, LIGHT, MEDIUM, VERMILLION, styled
+from damage.draw.style import BLACK, BLUE, GREEN, LIGHT, MEDIUM, VERMILLION, line_handle, styled
 from damage.draw.wall import wall_shape
 from damage.measure.cycles import shocks_table
 from damage.motion.loading import Harmonic
@@ -190,21 +190,12 @@ def choices(points):
         marks.scale_note(axes, "x"),
     )
     handles = [
-        Line2D([], [], color=colour, marker=marker, ls="", ms=4, label=panels.SLIP_LABELS[slip])
+        line_handle(colour, panels.SLIP_LABELS[slip], line="", marker=marker, ms=4)
         for colour, marker, slip in _STYLES.values()
     ]
     if fell:
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=VERMILLION,
-                marker="x",
-                ls="",
-                ms=5,
-                label="fell: beyond the scale of the index",
-            )
-        )
+        words = "fell: beyond the scale of the index"
+        handles.append(line_handle(VERMILLION, words, line="", marker="x", ms=5))
     return panels.finish(figure, handles, columns=3)
 
 
