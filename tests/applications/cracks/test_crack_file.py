@@ -12,9 +12,7 @@ from small_history import make_history, small_layout
 
 from damage.applications.cracks.crack_file import (
     complete_sizes,
-    patterns_of,
     read_cracks,
-    write_cracks,
 )
 from damage.applications.cracks.crack_mapping import (
     describe_level,
@@ -24,7 +22,7 @@ from damage.applications.cracks.crack_mapping import (
     map_cracks,
 )
 from damage.index import COMPONENTS, combine
-from damage.measure.cracks import cracks_at, psi
+from damage.measure.cracks import PSI_FROM, cracks_at, psi
 from damage.wall.kinds import CUT, HEAD
 from damage.wall.layout import lay_out
 
@@ -217,31 +215,24 @@ def random_history(tmp_path):
     )
 
 
-def test_the_round_trip_gives_the_same_index_and_psi(random_history, tmp_path):
-    samples, index = (3, 10, 20), random_history.index()
-    write_cracks(tmp_path / "round.csv", patterns_of(random_history, samples), ["a test"])
-    for sample, pattern in zip(samples, read_cracks(tmp_path / "round.csv")):
-        level = figures(pattern)
+def test_the_command_exports_reads_and_draws(random_history, tmp_path, output_of):
+    """What is read of the exported cracks has the index and Psi of the run."""
+    wall, export = wall_file(tmp_path / "small.py", WALL), tmp_path / "out" / "cracks.csv"
+    words = "cracks", random_history.path, "--at", "0.03,0.1,end", "--export", export, "--json"
+    simulated = json.loads(output_of(*words))
+    read = output_of("cracks", export, "--wall", wall, "--json", "--out", tmp_path / "png")
+    index, samples = random_history.index(), (3, 10, 20)
+    found = json.loads(read)
+    for level, run, sample in zip(found["levels"], simulated["levels"], samples, strict=True):
+        assert run["time_s"] == random_history.series["time_s"].iloc[sample]
         for name in ("DI", "DI_drift", "DI_open", "DI_slip"):
-            assert level[name] == pytest.approx((index[name].iloc[sample],) * 2, abs=1e-6)
-        assert level["psi"] == pytest.approx(psi(cracks_at(random_history, sample)), abs=1e-5)
-        assert level["psi_drawn"] == pytest.approx(level["psi"], abs=1e-5)
+            assert run[name] == [index[name].iloc[sample]] * 2
+            assert level[name] == pytest.approx(run[name], abs=1e-6)
+        assert run["psi"] == psi(cracks_at(random_history, sample, PSI_FROM))
+        assert [level["psi"], level["psi_drawn"]] == pytest.approx([run["psi"]] * 2, abs=1e-5)
         assert level["unmapped_m"] < 1e-6
     assert index["DI"].iloc[20] == 0 < index["DI"].iloc[3]
-
-
-# --- command --------------------------------------------------------------------------------------
-
-
-def test_the_command_exports_reads_and_draws(random_history, tmp_path, output_of):
-    wall, export = wall_file(tmp_path / "small.py", WALL), tmp_path / "out" / "cracks.csv"
-    simulated = json.loads(
-        output_of("cracks", random_history.path, "--at", "max,0.05", "--export", export, "--json")
-    )
-    read = output_of("cracks", export, "--wall", wall, "--json", "--out", tmp_path / "png")
-    assert json.loads(read)["max"]["DI"] == pytest.approx(simulated["max"]["DI"], abs=1e-6)
-    assert simulated["max"]["DI"][0] == random_history.index()["DI"].max()
-    assert simulated["levels"][1]["time_s"] == pytest.approx(0.05)
+    assert found["max"]["DI"] == pytest.approx(simulated["max"]["DI"], abs=1e-6)
     assert (tmp_path / "png/cracks_level_2.png").is_file()
 
 
