@@ -242,6 +242,7 @@ def _record(asked):
         *faint_warnings(found["pga_g"]),
         *record_warnings(loading),
         *intensity.end_warnings(loading.applied()),
+        *intensity.drift_warnings(loading),
     )
     if asked.plot:
         from damage.draw.motion import motion_picture

@@ -38,6 +38,10 @@ of it.
 Windows of studies/stations.csv leave up to 0.27; BLOP_HGE, whose baseline steps, leaves 1.
 """
 
+SLOW_HZ, WARNED_PGV = 0.1, 0.5
+"""Frequency below which a motion is a baseline's or a permanent displacement [Hz], and the share of
+PGV without it below which a run warns: of the components that ship one has less than 0.87."""
+
 POINTS_PER_PERIOD = 100
 """Instants a period at which an oscillator's peak is sought: misses 1 - cos(pi/100) < 0.05 %."""
 
@@ -276,6 +280,37 @@ def end_velocity_m_s(record):
     motion leave more.
     """
     return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
+
+
+def drift_warnings(loading):
+    """Warning of a `damage.motion.loading.Recorded` one of whose components has less than
+    WARNED_PGV of its PGV without a line, or without what is slower than SLOW_HZ."""
+    record, plain, without = loading.record, replace(loading, interpolated_for_s=None), {}
+    if loading.band_hz is not None:
+        return []
+    if not loading.baseline_order:
+        without["a line (--baseline 1)"] = {"baseline_order": 1}
+    if record.duration_s >= 1 / SLOW_HZ:
+        band = SLOW_HZ, 0.4 / record.time_step_s
+        without["what is below {:g} Hz (--band {:g} {:g})".format(SLOW_HZ, *band)] = {
+            "band_hz": band
+        }
+    for words, changed in without.items():
+        both = zip(loading.components, _pgv(plain), _pgv(replace(plain, **changed)))
+        for component, whole, left in both:
+            if left < WARNED_PGV * whole:
+                return [
+                    f"{component.name}: its PGV of {whole:.3g} m/s is {left:.3g} without {words};"
+                    " expected nearly the same: it is that of a baseline that drifts, a permanent"
+                    " displacement, or a record without rest around its motion"
+                ]
+    return []
+
+
+def _pgv(loading):
+    """PGV of each component of a Recorded as it is applied [m/s]."""
+    motions = *loading.motion, loading.applied_across()
+    return [pgv_m_s(motion) for motion in motions if motion is not None]
 
 
 def end_warnings(record):

@@ -24,7 +24,7 @@ from damage.linear.modes import Modes, natural_modes
 from damage.measure.energy import ENERGY_FAILURE
 from damage.measure.evidence import evidence_for, outside
 from damage.memory import hold_buffers
-from damage.motion.intensity import applied_measures, end_warnings
+from damage.motion.intensity import applied_measures, drift_warnings, end_warnings
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
@@ -341,6 +341,7 @@ def announce(plan):
         warn(text, code="record")
     if isinstance(loading, Recorded) and not settings.events:
         warn(*end_warnings(loading.applied()), code="end_velocity")
+        warn(*drift_warnings(loading), code="drift")
     if wall.joint.softens:
         warn(
             *softening_warnings(

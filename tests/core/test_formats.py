@@ -744,9 +744,10 @@ class TestOtherFormats:
             f"its format is {name}, which is not read" in message and "record-formats.md" in message
         )
 
-    def test_k_net_by_the_guides_recipe_keeps_no_offset(self, tmp_path, monkeypatch):
+    def test_k_net_by_the_guides_recipe_keeps_no_baseline(self, tmp_path, monkeypatch):
         pytest.importorskip("obspy")
-        counts = np.round(PULSE_GAL * 8388608 / 2000).astype(int) - 18000
+        drift = np.linspace(-78000, 42000, 400)
+        counts = np.round(PULSE_GAL * 8388608 / 2000 + drift).astype(int)
         head = [line[:18].ljust(18) + line[18:] for line in K_NET.splitlines()]
         data = ("".join(map("{:9d}".format, counts[k : k + 8])) for k in range(0, 400, 8))
         written(tmp_path / "FILE", "\n".join([*head, *data]) + "\n")

@@ -1,6 +1,7 @@
 """Intensity measures against closed forms and against the values of the Zeerijp records."""
 
 import math
+import re
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,7 @@ from damage.motion.intensity import (
     SPECTRUM_PERIODS_S,
     applied_measures,
     describe,
+    drift_warnings,
     end_warnings,
     motion_summary,
     pga_g,
@@ -249,6 +251,50 @@ class TestMotionSummary:
             end_warnings(Recorded(record, window_s=(16.5, 24.5), band_hz=(0.5, 40.0)).applied())
             == []
         )
+
+    @pytest.mark.parametrize("place", ["record", "vertical", "across"])
+    def test_a_baseline_that_drifts_and_comes_to_rest(self, place):
+        """A pulse of 0.068 m/s on a line from -c T / 2 to c T / 2, whose mean is zero: a PGV of
+        c T^2 / 8 = 0.4 m/s, and an end velocity of zero."""
+        step_s, size, slope = 0.01, 4001, 2e-3
+        time_s = step_s * np.arange(size)
+        phase = (np.pi * 2.0 * (time_s - 8.0)) ** 2
+        pulse = 1.0 * (1 - 2 * phase) * np.exp(-phase)
+        still, drifting = (
+            Record(name, step_s, pulse + line)
+            for name, line in (("still", 0.0), ("drifting", slope * (time_s - 20.0)))
+        )
+        assert pgv_m_s(still) == pytest.approx(
+            math.exp(-0.5) / (math.sqrt(2) * math.pi * 2), rel=2e-3
+        )
+        assert pgv_m_s(drifting) == pytest.approx(slope * 40.0**2 / 8, rel=0.15)
+        assert end_warnings(drifting) == [] == drift_warnings(Recorded(still))
+        parts = {"record": still, place: drifting}
+        (said,) = drift_warnings(Recorded(**parts))
+        whole, left = re.search(r"PGV of (\S+) m/s is (\S+) without a line", said).groups()
+        assert float(whole) == pytest.approx(pgv_m_s(drifting), rel=5e-3)
+        assert float(left) == pytest.approx(pgv_m_s(still), rel=0.05)
+        assert drift_warnings(Recorded(**parts, baseline_order=1)) == []
+
+    def test_a_baseline_that_swings(self):
+        """A cycle of 40 s, which no line takes off; of the motions that ship BLOP east alone."""
+        time_s = 0.01 * np.arange(8001)
+        pulse = np.exp(-((time_s - 40.0) ** 2)) * np.sin(20.0 * time_s)
+        slow = Record("slow", 0.01, 0.05 * np.sin(2 * np.pi * time_s / 40.0) + pulse)
+        (said,) = drift_warnings(Recorded(slow))
+        assert "without what is below 0.1 Hz (--band 0.1 40)" in said
+        assert drift_warnings(Recorded(slow, band_hz=(0.1, 40.0))) == []
+        table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#")
+        warned = [
+            row.record
+            for row in table.itertuples()
+            if drift_warnings(
+                Recorded(
+                    read_record(shipped_record_path(row.record)), window_s=(row.start_s, row.end_s)
+                )
+            )
+        ]
+        assert warned == ["BLOP_HGE"]
 
 
 MOTIONS = {  # of shipped records, one with all that a run may do to it
