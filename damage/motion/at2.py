@@ -8,7 +8,7 @@ import numpy as np
 
 from damage.csv_table import as_float, is_number
 from damage.errors import InputError
-from damage.motion.columns import UNITS_M_S2, bad_line, check_step, lines_of, numbers
+from damage.motion.columns import UNITS_M_S2, bad_line, check_step, lines_of, numbers, taken_unit
 from damage.motion.record import MOST_SAMPLES, Record
 
 MOST_HEADER = 12
@@ -79,22 +79,9 @@ def _unit(path, head, given):
                 "is another quantity",
                 "ACCELERATION IN UNITS OF G, give the record's AT2 file",
             )
-    number = next((i for i, line in enumerate(head, 1) if _IN_G.search(line.rstrip())), None)
-    if number and given not in (None, "g"):
-        raise bad_line(
-            path, number, head[number - 1], f"names g, --unit {given}", "the same; leave --unit out"
-        )
-    if given:
-        return given, f"{given} (--unit)"
-    if not number:
-        raise bad_line(
-            path,
-            len(head),
-            head[-1],
-            "does not name g",
-            f"ACCELERATION TIME SERIES IN UNITS OF G there, or --unit {'|'.join(UNITS_M_S2)}",
-        )
-    return "g", f"g (line {number})"
+    named = [(number, line) for number, line in enumerate(head, 1) if _IN_G.search(line.rstrip())]
+    header = named[0] if named else (len(head), head[-1])
+    return taken_unit(path, header, "g" if named else None, given)
 
 
 def count_and_step(line):

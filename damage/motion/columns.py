@@ -34,7 +34,9 @@ EXPECTED_HEADER = (
     + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
     + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"'
 )
-EXPECTED_UNIT = f"a header such as time_s,acc_m_s2, or --unit {'|'.join(UNITS_M_S2)}"
+EXPECTED_UNIT = (
+    f"a header such as time_s,acc_m_s2, or IN UNITS OF G of AT2, or --unit {'|'.join(UNITS_M_S2)}"
+)
 
 _START_UTC = re.compile(
     r"#.*\bstart(?:[ _]?time)?(?:[ _]?utc)?\s*[:=]?\s*"
@@ -131,7 +133,7 @@ def read_columns(path, lines, unit=None, sample_step_s=None):
     _refuse_doubled(table, time_s, acceleration)
     step_s = sample_step_s if alone else uniform_step(path, table.line, time_s, sample_step_s)
     check_step(path, step_s)
-    taken, words = _unit(path, named_by, named, unit)
+    taken, words = taken_unit(path, named_by, named, unit)
     first_s = 0.0 if alone else float(time_s[0])
     return step_s, first_s, acceleration * UNITS_M_S2[taken], words
 
@@ -188,7 +190,7 @@ def _named_unit(header, separator, alone):
     return unit if unit in UNITS_M_S2 else None
 
 
-def _unit(path, header, named, given):
+def taken_unit(path, header, named, given):
     """(unit, words that say it and where it was named) by the header, a line (number, text), and
     the unit that it names or None, or by --unit, which cannot replace it."""
     if given and named and UNITS_M_S2[given] != UNITS_M_S2[named]:
@@ -354,12 +356,7 @@ def _refuse_rounded(path, time_s, steps, usual, off_grid):
     decimals = _decimals(time_s)
     last_place = 10.0**-decimals
     unlike = np.abs(steps - usual) > 0.5 * last_place
-    if (
-        steps.min() < 0
-        or off_grid > 1.001 * last_place
-        or np.ptp(steps) > 1.5 * last_place
-        or unlike.sum() < max(2, _ROUNDED_SHARE * steps.size)
-    ):
+    if off_grid > 1.001 * last_place or unlike.sum() < max(2, _ROUNDED_SHARE * steps.size):
         return
     places = f"{decimals} decimal{'s' if decimals != 1 else ''}"
     raise InputError(

@@ -293,10 +293,10 @@ REFUSED = {
             f"line 3: '{line}' {said}"
         )
         for line, said in (
-            ("ACCELERATION TIME HISTORY (CM/SEC/SEC)", "does not name g"),
-            ("ACCELERATION IN UNITS OF G/10", "does not name g"),
-            ("", "does not name g"),
-            ("ACCELERATION IN G (CM/SEC/SEC)", "does not name g"),
+            ("ACCELERATION TIME HISTORY (CM/SEC/SEC)", "names no unit of the acceleration"),
+            ("ACCELERATION IN UNITS OF G/10", "names no unit of the acceleration"),
+            ("", "names no unit of the acceleration"),
+            ("ACCELERATION IN G (CM/SEC/SEC)", "names no unit of the acceleration"),
             ("VELOCITY TIME SERIES IN UNITS OF CM/S", "is another quantity"),
         )
     },
@@ -437,7 +437,9 @@ class TestComponentsThatBeginApart:
         east = written(tmp_path / "east.at2", HEAD + COUNTS + lines_of_five())
         text = HEAD + COUNTS.replace("400", "360") + lines_of_five(PULSE_G[40:])
         words = ["--record", str(east), "--across", str(written(tmp_path / "north.at2", text))]
-        refused_with("has no start time", parse_run, words, "test", "reference")
+        refused_with("has no start time: expected that of", parse_run, words, "test", "reference")
+        written(tmp_path / "north.at2", HEAD + COUNTS + lines_of_five(-PULSE_G))
+        assert parse_run(words, "test", "reference").loading.late_s == {}
 
     def test_each_format_has_its_pair_here(self):
         assert NAMES == "CSV, PEER AT2, miniSEED"

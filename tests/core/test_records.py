@@ -185,15 +185,6 @@ class TestAlignment:
         assert (part.start_utc, part.late_s) == (late.start_utc, -3.0)
         assert_allclose(part.acceleration_m_s2, late.acceleration_m_s2, rtol=0, atol=0)
 
-    def test_components_without_start_times_begin_together(self):
-        """As those of AT2 files, which have none."""
-        one, other = (replace(sine_record(), start_utc="") for _ in range(2))
-        assert on_axis_of(one, other).acceleration_m_s2.size == one.acceleration_m_s2.size
-        shorter = replace(other, acceleration_m_s2=other.acceleration_m_s2[:-5])
-        assert "has no start time: expected that of both" in one_line_error(
-            on_axis_of, one, shorter
-        )
-
 
 class TestBaseline:
     @pytest.mark.parametrize("order", [0, 1, 4, 9])
