@@ -121,20 +121,22 @@ def calibrated(tests):
 
 def _stiffness(rows, stress, displacement):
     """Mean slope of stress over displacement of the specimens [Pa/m], a table as of `calibrated`;
-    None without any."""
+    None without any.  Zero stress is that of the column, wherever the first row lies."""
     slopes = []
     for name, one in rows.dropna(subset=[stress, displacement]).groupby("specimen", sort=False):
-        load, way = (np.abs(one[of] - one[of].iloc[0]) for of in (stress, displacement))
-        rising = one.iloc[: int(load.argmax()) + 1].index
-        elastic = rising[load[rising].between(*(share * load.max() for share in ELASTIC))]
-        if len(elastic) < 2 and len(one) > 1:
+        load = one[stress].abs()
+        rising = one.loc[: load.idxmax()]
+        share = rising[stress].abs() / load.max()
+        elastic = rising[share.between(*ELASTIC)]
+        if len(one) > 1 and elastic[displacement].nunique() < 2:
             raise InputError(
-                f"specimen {name}: {len(elastic)} rows between {ELASTIC[0]:g} and {ELASTIC[1]:g} of"
-                f" its largest {stress}; expected two or more, for a stiffness; add some, or leave"
-                f" {displacement} empty"
+                f"specimen {name}: {counted(len(elastic), 'row')} between {ELASTIC[0]:g} and"
+                f" {ELASTIC[1]:g} of its largest {stress}, {load.max():g}, the first row at"
+                f" {share.iloc[0]:.2g} of it; expected two or more whose {displacement} differs,"
+                f" for a stiffness; add some, or leave {displacement} empty"
             )
         if len(elastic) > 1:
-            slope = scipy.stats.linregress(way[elastic], load[elastic]).slope
+            slope = abs(scipy.stats.linregress(elastic[displacement], elastic[stress]).slope)
             slopes.append(slope * MPA / MILLIMETRE)
     if not slopes:
         return None

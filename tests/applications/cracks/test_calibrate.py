@@ -89,13 +89,42 @@ def test_a_line_by_hand(tmp_path):
         ("t1,-0.2,,0.3,\nt2,-0.2,,0.31,\nt3,-0.2,,0.31,", "3 triplets under 1 precompression"),
         ("t1,0.2,,0.3,", "line 2: normal_stress_mpa above zero of a triplet"),
         ("t1,-0.2,,,", "line 2: expected opening_mm of a couplet, or shear_stress_mpa"),
-        ("c1,-0.1,0,,\nc1,-0.9,-1,,", "specimen c1: 0 rows between 0.1 and 0.5 of its largest"),
+        ("c1,-0.05,0,,\nc1,-0.9,-1,,", "specimen c1: no rows between 0.1 and 0.5 of its largest"),
+        ("c1,-0.6,0,,\nc1,-0.7,-1,,\nc1,-0.9,-2,,", "0.9, the first row at 0.67 of it; expected"),
+        # a gauge that does not resolve the opening ended in a traceback
+        (
+            "c1,0,0,,\nc1,-0.3,0,,\nc1,-0.4,0,,\nc1,-0.9,0,,",
+            "specimen c1: two rows .* expected two or more whose opening_mm differs",
+        ),
         (",-0.1,0,,", "line 2: no specimen"),
     ],
 )
 def test_tests_that_say_too_little(tmp_path, rows, words):
     path = written(tmp_path / "a.csv", HEAD + rows)
     refused_with(words, lambda: calibrated(read_tests(path)))
+
+
+def test_a_first_row_under_load_is_no_zero(tmp_path):
+    """The elastic range lies between 0.1 and 0.5 of 2 MPa, in which the slope is 0.1 MPa per 1e-4
+    mm; counted from the first row, at 0.4 MPa, it would lie between 0.56 and 1.2 MPa."""
+    points = [(0.4, 4e-4), (0.6, 6e-4), (0.9, 9e-4), (1.1, 2e-3), (2.0, 8e-3)]
+    rows = "\n".join(f"c1,{-stress},{-opening},," for stress, opening in points)
+    tests = read_tests(written(tmp_path / "a.csv", HEAD + rows))
+    assert calibrated(tests)["normal_stiffness"]["value"] == approx(1e12)
+
+
+def test_the_tests_of_the_guide(tmp_path, output_of):
+    guide = (REPOSITORY / "docs" / "guides" / "tested-wall.md").read_text(encoding="utf-8")
+    table = written(tmp_path / "a.csv", HEAD + guide.partition(HEAD)[2].partition("```")[0])
+    found = json.loads(output_of("calibrate", table, "--json"))
+    # by hand: 0.4 MPa over 0.4 um; 0.08 MPa over 0.2 um; 0.36, 0.61, 0.88 MPa at 0.2, 0.6, 1 MPa
+    for name, value in (
+        ("normal_stiffness", 1e12),
+        ("shear_stiffness", 4e11),
+        ("friction", 0.65),
+        ("cohesion", 1.85e6 / 3 - 0.39e6),
+    ):
+        assert found[name]["value"] == approx(value), name
 
 
 def test_a_specimen_of_two_files(tmp_path, error_of):
