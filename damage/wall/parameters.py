@@ -153,12 +153,12 @@ class Joint:
         "Pa/m",
         1.0,
         1e20,
-        (1e8, 1e14),
-        "dry joints of tests have some 1e9; the paper's Table 1 has 12e11",
+        (1e8, 1e13),
+        "dry joints of tests have some 1e9; a glued joint of 1 mm and 5e9 Pa has 5e12",
         default=12e11,
     )
     shear_stiffness: float = quantity(
-        "Pa/m", 1.0, 1e20, (3e7, 1e14), "0.4 of the normal stiffness", default=4e11
+        "Pa/m", 1.0, 1e20, (3e7, 1e13), "0.4 of the normal stiffness", default=4e11
     )
     friction_angle: float = quantity(
         "rad",

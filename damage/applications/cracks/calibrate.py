@@ -5,6 +5,8 @@ A couplet is tested across its joint, in compression, tension or by a bond wrenc
 sheared under a precompression.
 """
 
+import math
+
 import numpy as np
 import pandas as pd
 import scipy  # stats where it is used: it starts slowly
@@ -13,8 +15,9 @@ from damage.applications.cracks.capacity import pushed_loading
 from damage.csv_table import read_csv
 from damage.draw.words import counted
 from damage.errors import InputError
-from damage.fields import Column
+from damage.fields import Column, ranges_of, short
 from damage.units import MILLIMETRE
+from damage.wall.parameters import Joint
 from damage.wall.restraints import top_of
 
 MPA = 1e6
@@ -104,7 +107,7 @@ def calibrated(tests):
     normal_stiffness, shear_stiffness [Pa/m], cohesion [Pa], friction [-]: {"value",
     "standard_error": None of a single specimen, "scatter": coefficient of variation between
     specimens, of cohesion and friction that of the peaks about the line, "specimens"}; of the last
-    two "characteristic", too.  notes: what the standard asks for and the tests lack.
+    two "characteristic", too.  notes: what the standard asks for and the tests lack, and values that no joint has.
     """
     triplets = tests[tests["shear_stress_mpa"].notna()]
     couplets = tests[tests["shear_stress_mpa"].isna()]
@@ -116,7 +119,28 @@ def calibrated(tests):
     if len(triplets):
         line, notes = _mohr_coulomb(triplets)
         found |= line
-    return {**found, "notes": notes}
+    return {**found, "notes": [*notes, *_implausible(found)]}
+
+
+def _implausible(found):
+    """Lines on values below zero or outside the plausible values of a Joint, which a wall file with
+    them would be refused for."""
+    ranges = ranges_of(Joint)
+    angle = ranges["Joint.friction_angle"]
+    ranges["Joint.friction"] = angle._replace(
+        least=math.tan(angle.least), most=math.tan(angle.most), unit="[-]"
+    )
+    for name, one in found.items():
+        value = one["value"]
+        least, most, unit, *_ = ranges[f"Joint.{name}"]
+        if value < 0:
+            yield f"the line has a negative {name}: look at the tests, or take zero"
+        elif not least <= value <= most:
+            limit, end = (least, "least") if value < least else (most, "largest")
+            yield (
+                f"{name} is {value / limit:.2g} times the {end} plausible value, {short(limit)}"
+                f" {unit}: look at the units of the columns"
+            )
 
 
 def _stiffness(rows, stress, displacement):
@@ -164,8 +188,6 @@ def _mohr_coulomb(triplets):
             f" 1052-3 asks for {LEAST_PER_LEVEL} under each of {LEAST_LEVELS}"
         )
     line = scipy.stats.linregress(normal, shear)
-    if line.intercept < 0:
-        notes.append("the line has a negative cohesion: look at the tests, or take zero")
     fitted = line.intercept + line.slope * normal
     scatter = np.sqrt(np.sum((shear / fitted - 1) ** 2) / (len(rows) - 2))
     values = {

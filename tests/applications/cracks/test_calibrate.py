@@ -104,6 +104,33 @@ def test_tests_that_say_too_little(tmp_path, rows, words):
     refused_with(words, lambda: calibrated(read_tests(path)))
 
 
+@pytest.mark.parametrize(
+    ("stress", "slip", "line", "notes"),
+    [
+        (1.0, 1.0, (0.22, 0.7), []),
+        # kPa, and m, under the columns of MPa and mm
+        (1e3, 1.0, (0.22, 0.7), ["shear_stiffness is 10 times", "cohesion is 22 times"]),
+        (1.0, 1e-3, (0.22, 0.7), ["shear_stiffness is 10 times the largest plausible value, 1e13"]),
+        # loads of the specimens swapped
+        (1.0, 1.0, (1.06, -0.7), ["the line has a negative friction"]),
+        (1.0, 1.0, (-0.02, 0.7), ["the line has a negative cohesion"]),
+        (1.0, 1.0, (0.1, 3.0), ["friction is 1.2 times the largest plausible value, 2.57215 [-]"]),
+    ],
+)
+def test_values_that_no_joint_has_are_named(tmp_path, stress, slip, line, notes):
+    """A shear stiffness of 1e11 Pa/m and three triplets at 0.2, 0.6 and 1 MPa."""
+    rows = [
+        f"t{load},{-load * stress},,{share * peak * stress},{share * peak * slip / 100}"
+        for load in (0.2, 0.6, 1.0)
+        for peak in [line[0] + line[1] * load]
+        for share in (0, 0.2, 0.4, 1)
+    ]
+    tests = read_tests(written(tmp_path / "a.csv", HEAD + "\n".join(rows)))
+    named = [note for note in calibrated(tests)["notes"] if "EN 1052-3" not in note]
+    assert len(named) == len(notes)
+    assert all(note.startswith(start) for note, start in zip(named, notes)), named
+
+
 def test_a_first_row_under_load_is_no_zero(tmp_path):
     """The elastic range lies between 0.1 and 0.5 of 2 MPa, in which the slope is 0.1 MPa per 1e-4
     mm; counted from the first row, at 0.4 MPa, it would lie between 0.56 and 1.2 MPa."""
