@@ -46,7 +46,7 @@ class Settlement:
     "tilt": rotation of the whole base about its left end, finite, the right end settles;
     "knick": the right half tilts by that angle, the left half rests.
     x_m, uz_m: (n,) points of a profile from a file [m], upwards positive, straight lines between
-    them.
+    them; what all points have in common does nothing to a wall and is taken off (`common_m`).
 
     J. B. Burland, C. P. Wroth: Settlement of buildings and associated damage, Proc. Conf.
     Settlement of Structures, Cambridge, 1974, 611-654.
@@ -83,6 +83,11 @@ class Settlement:
             else "".join(c if c.isalnum() or c in "-_" else "-" for c in self.profile)
         )
 
+    @property
+    def common_m(self):
+        """Displacement that all points of a file have in common, upwards positive [m]."""
+        return max(min(self.uz_m, default=0.0), 0.0) + min(max(self.uz_m, default=0.0), 0.0)
+
     def check_length(self, length):
         """Raise InputError where a profile from a file does not reach along a wall of this length
         [m]."""
@@ -96,7 +101,7 @@ class Settlement:
         """Final vertical displacement (n,) [m] at x (n,) [m] of a wall of this length [m]."""
         x, half = np.asarray(x, float), length / 2
         if self.x_m:
-            return linear(x, self.x_m, self.uz_m)
+            return linear(x, self.x_m, self.uz_m) - self.common_m
         if self.profile == "tilt":
             return -x * sin(self.distortion)
         if self.profile == "knick":
@@ -149,9 +154,10 @@ def _check_points(profile, x, up):
         raise InputError(
             f"{profile}: x_m does not rise from point to point; sort them, one row each"
         )
-    if not any(up):
+    if min(up) == max(up):
         raise InputError(
-            f"{profile}: uz_m is zero at every point; expected ground that moves; correct it"
+            f"{profile}: uz_m is {up[0]:g} m at every point; expected ground that bends or tilts;"
+            " correct it"
         )
 
 

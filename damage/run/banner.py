@@ -4,6 +4,7 @@ import math
 
 from damage.motion.intensity import late_lines
 from damage.motion.record import FINER
+from damage.motion.settlement import FASTEST_M_S
 from damage.run.schedule import sample_steps, stages
 from damage.wall.as_built import (
     describe_floors,
@@ -89,6 +90,19 @@ def sequence_lines(settings):
     return [
         f"sequence: {len(settings.events)} events of {len(records)} records, peak"
         f" {settings.peak_g:.3g} g; the motion above is the strongest of them"
+    ]
+
+
+def settlement_lines(settings, layout):
+    """A line on how long the ground of RunSettings below a Layout moves, none where it rests."""
+    if not (settlement := settings.settlement):
+        return []
+    common_mm = 1e3 * settlement.common_m
+    taken = f"; {common_mm:.4g} mm of all points are taken off" if common_mm else ""
+    moving_s = settlement.moving_s(float(layout.ground.right.max()))
+    return [
+        f"settlement: the ground moves for {moving_s:.3g} s, at most at {1e3 * FASTEST_M_S:g}"
+        f" mm/s{taken}"
     ]
 
 

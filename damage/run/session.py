@@ -28,7 +28,14 @@ from damage.motion.intensity import applied_measures, drift_warnings, end_warnin
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, record_warnings
 from damage.provenance import file_origin, versions
-from damage.run.banner import event_lines, record_lines, sequence_lines, stress_lines, wall_lines
+from damage.run.banner import (
+    event_lines,
+    record_lines,
+    sequence_lines,
+    settlement_lines,
+    stress_lines,
+    wall_lines,
+)
 from damage.run.checkpoint import Checkpoints, checkpoint_path, read_end, resumed, schemes_left
 from damage.run.cooperative import take_turns
 from damage.run.initial_state import read_state, without_bond
@@ -356,6 +363,7 @@ def announce(plan):
     lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
     print(
         *lines,
+        *settlement_lines(settings, plan.layout),
         *event_lines(settings),
         *record_lines(settings),
         *sequence_lines(settings),

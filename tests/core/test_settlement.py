@@ -25,6 +25,7 @@ from damage.motion.loading import AtRest, Harmonic
 from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
+from damage.run.banner import settlement_lines
 from damage.run.cooperative import take_turns
 from damage.run.session import prepare, simulate
 from damage.run.settings import RunSettings
@@ -87,8 +88,8 @@ def test_last_bits_of_the_walls_lengths_do_not_reach_the_ground(profile):
     moved = settlement.displacement(time_s, below)
     assert np.array_equal(moved, settlement.displacement(time_s, off))
     assert profile != "knick" or not moved[:, :3].any()
-    level = Settlement("level.csv", None, (0.0, 1.7, 4.1), (-0.0123, -0.0123, -0.0123))
-    assert not level.displacement(time_s, below)[:, :, 2].any()
+    level = Settlement("level.csv", None, (0.0, 1.7, 4.0, 4.1), (-0.0123, -0.0123, -0.0123, 0.0))
+    assert not level.displacement(time_s, below)[:, below.right < 4.0, 2].any()
 
 
 def test_the_ground_begins_and_ends_at_rest_and_is_slow():
@@ -108,6 +109,23 @@ def test_a_profile_from_a_file(tmp_path):
     refused_with(
         "reaches from x = 0 to 4 m, the wall from 0 to 4.05 m", settlement.check_length, 4.05
     )
+
+
+@pytest.mark.parametrize("common", [-0.25, 0.25])
+def test_what_all_points_have_in_common_is_taken_off(common):
+    """A wall that sinks by 0.25 m as a whole does what one does that stays: the ground moves for a
+    second, not for 79."""
+    x, up = (0.0, 1.0, 4.0), np.array([0.0, -0.002, -0.003]) * np.sign(-common)
+    one, deep = (Settlement("dip.csv", None, x, tuple(values)) for values in (up, up + common))
+    time_s, below = np.linspace(0, 1, 9), supports()
+    assert deep.common_m == pytest.approx(common) and deep.moving_s(4.0) == one.moving_s(4.0) == 1
+    assert np.array_equal(one.displacement(time_s, below), deep.displacement(time_s, below))
+    settings = parse_run(["--settle", "tilt", "--distortion", "0.002"], "", "reference")
+    lines = settlement_lines(replace(settings, settlement=deep), lay_out(BEAM))
+    assert lines == [
+        f"settlement: the ground moves for 1 s, at most at 5 mm/s; {1e3 * common:g} mm of all"
+        " points are taken off"
+    ]
 
 
 def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
@@ -157,7 +175,8 @@ def test_a_later_survey_that_reaches_further_finds_no_settlement_where_nothing_m
     [
         ("x,z\n0,0\n", "line 1: no column x_m; expected x_m and any of uz_m, height_m, date"),
         ("x_m,uz_m\n0,0\n1,a\n", "line 3: uz_m = 'a': expected a finite number"),
-        ("x_m,uz_m\n0,0\n1,0\n", "is zero at every point"),
+        ("x_m,uz_m\n0,0\n1,0\n", "uz_m is 0 m at every point; expected ground that bends"),
+        ("x_m,uz_m\n0,-0.2\n9,-0.2\n", "uz_m is -0.2 m at every point"),
         ("x_m,height_m,date\n0,1,\n", "line 2: date = '': expected a day like 2019-05-22"),
         (
             "x_m,height_m,date\n0,1,2020-01-01\n1,1,2021-01-01\n",
