@@ -120,7 +120,7 @@ def test_what_all_points_have_in_common_is_taken_off(common):
     time_s, below = np.linspace(0, 1, 9), supports()
     assert deep.common_m == pytest.approx(common) and deep.moving_s(4.0) == one.moving_s(4.0) == 1
     assert np.array_equal(one.displacement(time_s, below), deep.displacement(time_s, below))
-    settings = parse_run(["--settle", "tilt", "--distortion", "0.002"], "", "reference")
+    settings = parsed("--settle tilt --distortion 0.002")
     lines = settlement_lines(replace(settings, settlement=deep), lay_out(BEAM))
     assert lines == [
         f"settlement: the ground moves for 1 s, at most at 5 mm/s; {1e3 * common:g} mm of all"

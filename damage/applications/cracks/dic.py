@@ -17,6 +17,7 @@ from math import isnan
 import numpy as np
 
 from damage.applications.cracks.crack_file import OF_LEVEL, levels_of, pattern_of
+from damage.applications.cracks.plausible import implausible_points
 from damage.checks import check_not_negative
 from damage.csv_table import read_csv
 from damage.errors import InputError, some_of
@@ -42,6 +43,9 @@ REQUIRED = {"x_m": _PLACE, "z_m": _PLACE, "ux_m": _DISPLACEMENT, "uz_m": _DISPLA
 MOVES_M, UPSIDE = 0.05 * MILLIMETRE, 2.0
 """Motion [m] from which the lowest course is compared with the top one, and how many times that
 one's is doubtful."""
+RIGID, LEAST_SEEN = 0.1, 0.5
+"""Largest deviation from a rigid motion, over that, of a course that moves as one; share of the
+joints' length below which a field shows little of the wall."""
 STUCK = 5.0
 """Deviations of the noise from which a point without displacement is not one of its brick."""
 
@@ -230,34 +234,76 @@ def measure(fields, layout, margin=MARGIN):
 
 
 def field_warnings(fields, measured, layout, margin=MARGIN):
-    """Lines on what of fields is doubtful: z that points down, and points kept as zero that the
-    correlation lost."""
+    """Lines on what of fields is doubtful: points beside the wall, z that points down, a lowest
+    course that moves as one, and points kept as zero that the correlation lost."""
     found = []
-    z, n = layout.bodies.z, layout.n_bricks
     for field, level in zip(fields, measured):
-        where, seen = (
-            f"load level {field.level:g}: ",
-            np.flatnonzero(~np.isnan(level.motion[:n, 0])),
-        )
-        moved = np.hypot(*level.motion[seen, :2].T)
-        low, high = (
-            float(np.median(moved[z[seen] == edge])) for edge in (z[seen].min(), z[seen].max())
-        )
-        if low > max(MOVES_M, UPSIDE * high):
-            found.append(
-                f"{where}the lowest course moves by {low / MILLIMETRE:.3g} mm, the top one by"
-                f" {high / MILLIMETRE:.3g} mm; expected z up from a base at rest: where z points"
-                " down, as in pictures, give the wall's height less z, and -uz"
-            )
-        stuck = stuck_points(field, layout, margin)
-        if len(stuck):
-            places = [f"({x:g}, {z:g})" for x, z in field.points[stuck]]
-            found.append(
-                f"{where}{len(stuck)} of {len(field.points)} points, at x, z = {some_of(places, 3)}"
-                " [m], have zero displacement on bricks that move; expected no ux_m and uz_m where"
-                " the correlation failed: leave them empty there"
-            )
+        texts = [
+            implausible_points(field.points, layout.wall),
+            _unseen(level, layout),
+            _moving_base(field, level, layout, margin),
+            _stuck(field, layout, margin),
+        ]
+        found += [f"load level {field.level:g}: {text}" for text in texts if text]
     return found
+
+
+def _unseen(level, layout):
+    """What is said of a Measured that shows less than half of the joints; None of another."""
+    length = layout.joint_length
+    seen = float(length[~np.isnan(level.opening)].sum() / length.sum())
+    if seen >= LEAST_SEEN:
+        return None
+    return (
+        f"{100 * seen:.0f} % of the joints lie at bricks with points, and all others count as"
+        " uncracked; expected points all over the wall: look at their unit and origin"
+    )
+
+
+def _moving_base(field, level, layout, margin):
+    """What is said of a lowest course that moves more than the top one, or as one rigid body above
+    a base that was not measured; None of another."""
+    z, n = layout.bodies.z, layout.n_bricks
+    seen = np.flatnonzero(~np.isnan(level.motion[:n, 0]))
+    moved = np.hypot(*level.motion[seen, :2].T)
+    lowest = seen[z[seen] == z[seen].min()]
+    low, high = (
+        float(np.median(moved[z[seen] == edge])) for edge in (z[seen].min(), z[seen].max())
+    )
+    if low > max(MOVES_M, UPSIDE * high):
+        return (
+            f"the lowest course moves by {low / MILLIMETRE:.3g} mm, the top one by"
+            f" {high / MILLIMETRE:.3g} mm; expected z up from a base at rest: where z points"
+            " down, as in pictures, give the wall's height less z, and -uz"
+        )
+    if np.sum(field.points[:, 1] < -margin) >= LEAST_POINTS:
+        return None
+    centres = np.column_stack([layout.bodies.x, z])[lowest]
+    displacement = level.motion[lowest, :2]
+    mean, turn = rigid_motion(centres, displacement)
+    rigid = mean + turned(centres - centres.mean(axis=0), turn)
+    largest = float(np.hypot(*rigid.T).max())
+    if largest < MOVES_M or np.hypot(*(displacement - rigid).T).max() > RIGID * largest:
+        return None
+    return (
+        f"the lowest course moves as one rigid body, by up to {largest / MILLIMETRE:.3g} mm and"
+        f" {turn:.2g} rad, above a base without points: a wall that slides or rocks, or a camera"
+        " that moved, by which the cracks along the base and the drift are wrong; give points of"
+        f" the base, z below {-margin:g} m, whose motion is taken off"
+    )
+
+
+def _stuck(field, layout, margin):
+    """What is said of the `stuck_points` of a Field; None without any."""
+    stuck = stuck_points(field, layout, margin)
+    if len(stuck) == 0:
+        return None
+    places = [f"({x:g}, {z:g})" for x, z in field.points[stuck]]
+    return (
+        f"{len(stuck)} of {len(field.points)} points, at x, z = {some_of(places, 3)}"
+        " [m], have zero displacement on bricks that move; expected no ux_m and uz_m where"
+        " the correlation failed: leave them empty there"
+    )
 
 
 def stuck_points(field, layout, margin=MARGIN):

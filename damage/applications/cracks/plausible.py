@@ -20,12 +20,26 @@ def implausible_places(ends, wall):
     ends = np.asarray(ends, float)
     if len(ends) == 0 or _share_off(ends, wall) <= OFF_WALL:
         return None
-    low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
+    return _beside("of the cracks' length", _share_off(ends, wall), ends.reshape(-1, 2), wall)
+
+
+def implausible_points(points, wall):
+    """The same of points (n, 2) of a displacement field [m]; those below the wall are on its
+    base."""
+    points = points[points[:, 1] >= 0]
+    share = float(np.mean(_is_off(*points.T, wall))) if len(points) else 0.0
     return (
-        f"{100 * _share_off(ends, wall):.0f} % of the cracks' length, x = {low[0]:.4g} to"
-        f" {high[0]:.4g} m, z = {low[1]:.4g} to {high[1]:.4g} m, lies beside wall {wall.name} of"
-        f" {wall.length:.4g} x {wall.built_height:.4g} m or in its openings: expected m, x from its"
-        " left end and z up from its base"
+        _beside("of the points above the base", share, points, wall) if share > OFF_WALL else None
+    )
+
+
+def _beside(what, share, places, wall):
+    low, high = places.min(axis=0), places.max(axis=0)
+    return (
+        f"{100 * share:.0f} % {what}, x = {low[0]:.4g} to {high[0]:.4g} m, z = {low[1]:.4g} to"
+        f" {high[1]:.4g} m, lie beside wall {wall.name} of {wall.length:.4g} x"
+        f" {wall.built_height:.4g} m or in its openings: expected m, x from its left end and z up"
+        " from its base"
     )
 
 
@@ -42,8 +56,15 @@ def implausible_width(widest_mm):
 def _share_off(ends, wall):
     """Share of the length of cracks that lies beside a wall, above its outline or in its openings,
     by more than a course."""
-    length, reach = np.hypot(*(ends[:, 1] - ends[:, 0]).T), wall.brick.height
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     x, z = np.moveaxis(points_along(ends), -1, 0)
+    return float(length @ _is_off(x, z, wall).mean(axis=1) / length.sum())
+
+
+def _is_off(x, z, wall):
+    """Whether places [m] lie beside a wall, above its outline or in its openings, by more than a
+    course."""
+    reach = wall.brick.height
     top = np.interp(x, *zip(*wall.outline)) if wall.outline else wall.built_height
     off = (x < -reach) | (x > wall.length + reach) | (z < -reach) | (z > top + reach)
     for opening in wall.openings:
@@ -54,4 +75,4 @@ def _share_off(ends, wall):
             & (z > low + reach)
             & (z < high - reach)
         )
-    return float(length @ off.mean(axis=1) / length.sum())
+    return off

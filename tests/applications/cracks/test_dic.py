@@ -122,6 +122,42 @@ def test_a_field_whose_z_points_down_is_named(tmp_path):
     assert "z up from a base at rest" in said
 
 
+def camera_turned(points, angle=5e-4):
+    return turned(points - [0.45, 0.2], angle)
+
+
+def test_a_camera_that_turned_is_named_unless_the_base_was_measured(tmp_path):
+    """The wall's own crack is in the middle; half the length of the base opens by up to 0.0005 x
+    0.45 m beside it, and does not where points of the base are there."""
+    layout, field = half_moved(tmp_path, noise=0.0)
+    by_camera = Field(1, 0.0, field.points, field.displacement + camera_turned(field.points))
+    (level,) = measured = measure([by_camera], layout)
+    base = np.isclose(layout.contacts.z[: layout.n_joints], 0.0)
+    assert level.opening[base].max() == pytest.approx(5e-4 * 0.45, rel=0.1)
+    (said,) = field_warnings([by_camera], measured, layout)
+    assert "moves as one rigid body, by up to 0.187 mm and 0.0005 rad" in said
+    below = np.column_stack([np.arange(0.05, 0.9, 0.05), np.full(17, -0.03)])
+    whole = Field(
+        1,
+        0.0,
+        np.vstack([field.points, below]),
+        np.vstack([by_camera.displacement, camera_turned(below)]),
+    )
+    (level,) = measured = measure([whole], layout)
+    assert level.opening[base].max() < 1e-6
+    assert field_warnings([whole], measured, layout) == []
+
+
+@pytest.mark.parametrize(
+    "size, says", [(2.0, "% of the points above the base, x = 0"), (0.5, "% of the joints lie at")]
+)
+def test_a_field_at_another_scale_is_named(tmp_path, size, says):
+    layout, field = half_moved(tmp_path)
+    other = Field(1, 0.0, field.points * size, field.displacement)
+    said = field_warnings([other], measure([other], layout, 0.0), layout, 0.0)
+    assert any(says in text for text in said)
+
+
 @pytest.mark.parametrize("noise", [NOISE, 0.0])
 def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise):
     """Not those of the half at rest, and not a point about which a brick turns."""
