@@ -20,7 +20,7 @@ DATA = _PACKAGE / "data"
 
 
 def shipped(folder):
-    """Path of `walls` or `studies`: in the installed package below `share`, in a clone beside the
+    """Path of `walls`, `houses` or `studies`: in the installed package below `share`, in a clone beside the
     package (pyproject.toml maps one to the other)."""
     inside = _PACKAGE / "share" / folder
     return inside if inside.is_dir() else _PACKAGE.parent / folder
@@ -39,7 +39,7 @@ def shipped_path(path):
     if path.is_absolute() or ".." in path.parts or not path.parts:
         return None
     candidates = (_PACKAGE.parent / path, shipped(path.parts[0]).joinpath(*path.parts[1:]))
-    known = path.parts[0] in ("walls", "studies") or path.parts[:2] == ("damage", "data")
+    known = path.parts[0] in ("walls", "houses", "studies") or path.parts[:2] == ("damage", "data")
     return next((one for one in candidates if known and is_there(one)), None)
 
 

@@ -103,7 +103,7 @@ def _modes(asked):
         "FILE.png|FILE.svg|FILE.pdf",
         required=False,
     ),
-    examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg", "my_house.toml"),
+    examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg", "small"),
 )
 def _draw(asked):
     from damage.draw.house_preview import preview

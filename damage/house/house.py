@@ -50,7 +50,7 @@ from damage.fields import check_fields, choice, quantity
 from damage.house.limits import OF_RUNS, OF_WALLS, refuse
 from damage.house.ties import Ties, spans_between
 from damage.toml_file import read_toml
-from damage.wall.file import MOST_MB, load_wall, read_wall, user_record
+from damage.wall.file import MOST_MB, load_wall, read_wall, user_record, wall_path
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.kinds import TINY
 from damage.wall.parameters import LONGEST_M, Wall
@@ -398,6 +398,5 @@ def read_wall_or_house(path):
 
 def load_wall_or_house(given):
     """The House, or damage.Wall, of a file, or of the name of a wall that ships."""
-    path = Path(given)
-    is_toml = path.suffix == ".toml" and path.is_file()
-    return read_wall_or_house(path) if is_toml else load_wall(given)
+    path = wall_path(given)
+    return read_wall_or_house(path) if path.suffix == ".toml" else load_wall(path)

@@ -77,18 +77,25 @@ def shipped_walls():
     return shipped_files("walls", ".py") | shipped_files("walls", ".toml")
 
 
+def shipped_houses():
+    """{name: path} of the houses that ship; beside them are files of their walls."""
+    files = shipped_files("houses", ".toml")
+    return {name: path for name, path in files.items() if "[[walls]]" in path.read_text("utf-8")}
+
+
 def wall_path(word):
-    """Path of a wall file, given by its path or by the name of a wall that ships, like symmetric; a
-    file of that name comes first.  Raises InputError where there is neither."""
-    path, named = check_path(word), shipped_walls()
+    """Path of a file of a wall or a house, given by its path or by the name of one that ships, like
+    symmetric; a file of that name comes first.  Raises InputError where there is neither."""
+    path, named = check_path(word), shipped_walls() | shipped_houses()
     if path.is_file():
         return path
     if str(path) in named:
         return named[str(path)]
-    meant = did_you_mean(path.stem, named) or did_you_mean(path, map(str, path.parent.glob("*.py")))
+    beside = [str(one) for ending in ("py", "toml") for one in path.parent.glob(f"*.{ending}")]
+    meant = did_you_mean(path, beside) or did_you_mean(path.stem, named)
     raise InputError(
-        f"{path}: no such wall file; expected the path of one, or the name of a wall that ships: "
-        f"{', '.join(named)}{meant}"
+        f"{path}: no such wall file; expected the path of one, or the name of a wall or house that"
+        f" ships: {', '.join(named)}{meant}"
     )
 
 

@@ -1,5 +1,6 @@
 """Houses as data, and their layouts, beside plane walls, beam theory and what must be refused."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -155,6 +156,21 @@ def test_walls_that_nothing_joins_are_named():
     slab = Diaphragm(0.8, ("inner", "outer"), 400, "concrete", 0.2)
     for joined in (_cavity(), replace(lone, floors=[slab]), read_house(BOX)):
         assert warn_of_lone_walls(joined) == []
+
+
+def test_the_house_of_the_guide_ships():
+    guide = (REPOSITORY / "docs/guides/house.md").read_text()
+    for name in ("small", "small_front", "small_side"):
+        (block,) = re.findall(rf"^```toml\n# houses/{name}\.toml\n(.*?)^```$", guide, re.M | re.S)
+        assert (REPOSITORY / f"houses/{name}.toml").read_text().endswith(block)
+
+
+def test_a_house_is_found_by_its_name_and_one_that_is_not_suggests_another(
+    tmp_path, output_of, error_of
+):
+    output_of("draw", "small", "--out", tmp_path / "small.svg")
+    assert "did you mean small?" in error_of("draw", "smal")
+    assert "did you mean houses/terraced.toml?" in error_of("draw", "houses/terrace.toml")
 
 
 def test_what_takes_a_wall_says_that_this_is_a_house():

@@ -177,6 +177,7 @@ def test_the_launcher_prevents_the_servers(system, tmp_path):
             ["-n", "-j", "2", "shop_front"],
             ["-n", "-j", "2", "{root}/yade_scripts/wall_data.py", "{root}/walls/shop_front.toml"],
         ),
+        (["small"], ["{root}/yade_scripts/wall_data.py", "{root}/houses/small.toml"]),
         (["-nx", "-f4", "w.py", "-x"], ["-nx", "-f4", "w.py", "-x"]),
         (["-n"], ["-n"]),
     ],
@@ -193,10 +194,12 @@ def test_the_launcher_takes_names_of_walls(system, words, passed):
         (
             ["symetric"],
             (
-                "symetric: expected a script, a wall's file, or the name of a wall that ships:"
-                " asymmetric"
+                "symetric: expected a script, a file of a wall or house, or the name of one that"
+                " ships: asymmetric"
             ),
         ),
+        (["houses/smal.toml"], "no file houses/smal.toml: expected a script, a file of a wall or"),
+        (["small_front"], "small_front: expected a script"),
         (["-n", "-j"], "-j is the last word: expected a value"),
         (["--consol", "symmetric"], "--consol: expected an option of YADE before the script"),
         (["w.txt"], "w.txt: expected a script"),
