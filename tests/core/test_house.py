@@ -161,7 +161,9 @@ def test_walls_that_nothing_joins_are_named():
 def test_the_house_of_the_guide_ships():
     guide = (REPOSITORY / "docs/guides/house.md").read_text()
     for name in ("small", "small_front", "small_side"):
-        (block,) = re.findall(rf"^```toml\n# houses/{name}\.toml\n(.*?)^```$", guide, re.M | re.S)
+        (block,) = re.findall(
+            rf"^```toml\n# houses/{name}\.toml\n(.*?)^```$", guide, re.MULTILINE | re.DOTALL
+        )
         assert (REPOSITORY / f"houses/{name}.toml").read_text().endswith(block)
 
 
