@@ -24,7 +24,7 @@ import pandas as pd
 from damage.checks import check_positive
 from damage.elementary import hypot
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD, combine, drift_component
-from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, psi
+from damage.measure.cracks import ENDS, PSI_FROM, cracked, ends_of, points_along, psi
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -88,7 +88,7 @@ def _on_joints(number, stretch, ends, tolerance):
     whole = stretch[1] - stretch[0]
     length = float(hypot(*whole))
     n_pieces = max(1, int(np.ceil(length / PIECE)))
-    middle = stretch[0] + whole * ((np.arange(n_pieces) + 0.5) / n_pieces)[:, None]
+    (middle,) = points_along(stretch[np.newaxis], n_pieces)
     best = np.concatenate(
         [
             _nearest(part, whole / length, low, high, tolerance)

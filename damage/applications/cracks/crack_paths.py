@@ -23,7 +23,7 @@ import scipy  # sparse.csgraph where it is used: it starts slowly
 
 from damage.checks import check_positive
 from damage.elementary import hypot
-from damage.measure.cracks import ends_of
+from damage.measure.cracks import ends_of, points_along
 from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -198,7 +198,7 @@ class _Network:
         for start, end in drawn if len(joint) else ():
             length = float(hypot(*(end - start)))
             n = max(1, int(np.ceil(length / _SAMPLE)))
-            middle = start + (end - start) * ((np.arange(n) + 0.5) / n)[:, np.newaxis]
+            (middle,) = points_along(np.array([[start, end]]), n)
             near = _in_chunks(
                 lambda points: _distances(points, self.ends[joint]).min(axis=1), middle
             ) <= tolerance * (1 + 1e-9)

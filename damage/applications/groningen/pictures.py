@@ -6,7 +6,6 @@ from textwrap import fill
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
@@ -71,7 +70,7 @@ def _over_time(ax, shown, named):
     ax.yaxis.set_major_formatter("{x:g}")
     ax.legend(
         handles=[
-            Line2D([], [], ls="", marker="o", color=style.BLUE, ms=2.2, label="median"),
+            style.line_handle(style.BLUE, "median", line="", marker="o", ms=2.2),
             style.line_handle(style.MEDIUM, "up to what is exceeded with 1 %", 0.8),
         ],
         ncols=2,
@@ -81,7 +80,7 @@ def _over_time(ax, shown, named):
 
 
 def _on_a_map(ax, place, table, shown, named):
-    star = {"marker": "*", "color": style.VERMILLION, "mec": style.BLACK, "mew": 0.3}
+    star = {"marker": "*", "mec": style.BLACK, "mew": 0.3, "ms": 8}
     ax.plot(table["x_km"], table["y_km"], ".", color="0.8", ms=1, zorder=1)
     ax.scatter(
         shown["x_km"],
@@ -93,7 +92,8 @@ def _on_a_map(ax, place, table, shown, named):
         alpha=0.8,
         zorder=2,
     )
-    ax.plot(place.x_m / 1e3, place.y_m / 1e3, ls="", ms=8, zorder=4, clip_on=False, **star)
+    at = place.x_m / 1e3, place.y_m / 1e3
+    ax.plot(*at, ls="", color=style.VERMILLION, zorder=4, clip_on=False, **star)
     for number, event in enumerate(named, 1):
         ax.annotate(
             f"{number}",
@@ -112,18 +112,16 @@ def _on_a_map(ax, place, table, shown, named):
     sizes = [pgv for pgv in (1, 2, 5, 20) if pgv <= 1.5 * table["median_mm_s"].max()]
     ax.legend(
         handles=[
-            Line2D([], [], ls="", ms=6, label="the place", **star),
-            Line2D([], [], ls="", marker=".", color="0.8", ms=2, label="weaker"),
+            style.line_handle(style.VERMILLION, "the place", line="", **star | {"ms": 6}),
+            style.line_handle("0.8", "weaker", line="", marker=".", ms=2),
             *(
-                Line2D(
-                    [],
-                    [],
-                    ls="",
+                style.line_handle(
+                    style.BLUE,
+                    f"median {pgv:g} mm/s",
+                    line="",
                     marker="o",
-                    color=style.BLUE,
                     ms=np.sqrt(DOT_SIZE * pgv),
                     mew=0,
-                    label=f"median {pgv:g} mm/s",
                 )
                 for pgv in sizes
             ),

@@ -210,8 +210,7 @@ def cracked_walls(folder, summary, points):
     damage = points.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0)
     for number in np.argsort(-damage.to_numpy(), kind="stable"):
         row = points.iloc[number]
-        mine = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
-        path = folder / "runs" / f"{summary.loc[mine, 'run'].iloc[0] if mine.any() else ''}.h5"
+        path = folder / "runs" / f"{next(iter(_runs_of(row, summary)), '')}.h5"
         if left <= 0 or not path.is_file():
             continue
         try:
@@ -298,11 +297,16 @@ def said_first(folder, summary):
     return lines
 
 
+def _runs_of(row, summary):
+    """Names of the runs of a point, a list of str."""
+    same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
+    return list(map(str, summary.loc[same, "run"]))
+
+
 def _point(row, content, summary):
     """One row of the table: names of its runs, its cells with their range."""
-    same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
     cells = [(*_cell(row[name], name), _range(row, name)) for name in content]
-    return {"runs": list(map(str, summary.loc[same, "run"])), "cells": cells}
+    return {"runs": _runs_of(row, summary), "cells": cells}
 
 
 def _cell(value, name=""):

@@ -147,7 +147,7 @@ class WallCells:
     def points(self):
         """Points at rest, (n_points, 3) [m]: eight a body, then two a contact point."""
         half = self.history.masonry_wall.brick.thickness / 2
-        corners = body_corners(self.history.bodies, self._motion(-1))
+        corners = body_corners(self.history.bodies)
         bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
         return np.concatenate(
             [bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)]
@@ -187,7 +187,7 @@ class WallCells:
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
         motion, at_rest = self._motion(snapshot), self._motion(-1)
         bodies, joints = self.history.bodies, self.history.joints
-        moved = _at(body_corners(bodies, motion) - body_corners(bodies, at_rest), 0.0)
+        moved = _at(body_corners(bodies, motion) - body_corners(bodies), 0.0)
         supports = support_motion(self.history, None if snapshot < 0 else snapshot)
         ends = _at(
             joint_segments(joints, bodies, motion, supports=supports)
@@ -236,15 +236,13 @@ class WallCells:
         accumulated_slip_m, offset_m, crack_width_m; state, a code of
         `damage.history.moments.JOINT_STATES`, in bodies -1; broken;
         at_shear_limit; joint_normal_stress_pa, joint_shear_stress_pa of a run with --stresses."""
-        history, slip = self.history, "displacement"
+        history = self.history
         numbers = {
             "opening_m": history.opening_m[sample],
             "accumulated_slip_m": history.slip_m[sample],
+            "offset_m": history.offset_m[sample],
         }
-        numbers["offset_m"] = history.offset_m[sample]
-        numbers["crack_width_m"] = np.hypot(
-            history.opening_m[sample], history.slip_by(slip)[sample]
-        )
+        numbers["crack_width_m"] = np.hypot(numbers["opening_m"], numbers["offset_m"])
         if history.joint_stress_pa is not None:
             numbers |= dict(
                 zip(
@@ -257,7 +255,7 @@ class WallCells:
                 name: self._joined(0.0, values).astype(np.float32)
                 for name, values in numbers.items()
             },
-            "state": self._joined(-1, joint_states(history, sample, slip)).astype(np.int8),
+            "state": self._joined(-1, joint_states(history, sample)).astype(np.int8),
             "broken": self._joined(0, history.broken[sample]).astype(np.int8),
             "at_shear_limit": self._joined(0, history.at_limit[sample]).astype(np.int8),
         }
@@ -268,8 +266,12 @@ class WallCells:
         NaN where none."""
         index = self.history.index().drop(columns=["time_s", "drift_over_limit"])
         series = self.history.series[list(SERIES)].reset_index(drop=True)
-        taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
-        return pd.concat([index, series], axis=1).assign(snapshot_time_s=taken)
+        return pd.concat([index, series], axis=1).assign(snapshot_time_s=self._shown_s())
+
+    def _shown_s(self):
+        """Time of the snapshot that is nearest to each sample, (n_times,) [s], NaN where none is
+        near."""
+        return np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
 
     def _motion(self, snapshot):
         """Motion of the bodies in a snapshot (n_bodies, 3) [m, m, rad]; -1: at rest."""
@@ -320,8 +322,7 @@ class HouseCells(WallCells):
             index["drift_ratio"] = part.series["drift_ratio"].to_numpy()
             index["across_m"] = part.house.across_m[:, 0]
             found = found.join(index.add_suffix(f"_{part.wall}"))
-        taken = np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
-        return found.assign(snapshot_time_s=taken)
+        return found.assign(snapshot_time_s=self._shown_s())
 
     def _placed(self, snapshot):
         """Points in the house in a snapshot, (n_points, 3) [m]; -1: at rest."""
