@@ -33,7 +33,6 @@ PROGRAMS = (
     "shear_walls",
     "split_and_crush",
     "thirty_years",
-    "two_solvers",
 )
 """Modules that make tables and figures of documents: python3 -m paper NAME, with their own
 arguments."""
