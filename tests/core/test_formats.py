@@ -441,6 +441,13 @@ class TestComponentsThatBeginApart:
         written(tmp_path / "north.at2", HEAD + COUNTS + lines_of_five(-PULSE_G))
         assert parse_run(words, "test", "reference").loading.late_s == {}
 
+    @pytest.mark.parametrize("per_s", [1000, 200, 1])
+    def test_times_of_samples_may_be_no_seconds(self, per_s, tmp_path):
+        path = record_file(tmp_path, UTC + IN_G + rows(per_s * (TIME_S + 0.2), PULSE_G))
+        record = read_record(path, sample_step_s=STEP_S)
+        assert record.first_s == pytest.approx(0.2)
+        assert record.start_utc == "2018-01-08T14:00:37.200000Z"
+
     def test_each_format_has_its_pair_here(self):
         assert NAMES == "CSV, PEER AT2, miniSEED"
 
