@@ -3,7 +3,9 @@
 import numpy as np
 import scipy  # integrate where it is used: it starts slowly
 
+from damage.applications.cracks.plausible import implausible_loops
 from damage.csv_table import read_csv
+from damage.errors import warn
 from damage.history.schema import Column
 
 LOOP = {
@@ -97,7 +99,7 @@ WIDEST_GAP = 0.1
 
 def read_loops(path):
     """Measures of the loops of a file, a list of {"loop": name, **LOOP}.  Raises InputError where
-    a loop is not closed or runs backwards."""
+    a loop is not closed or runs backwards; warns of forces and drifts that no wall has."""
     table, found = read_csv(path, LOOP_FILE, tuple(LOOP_FILE)), []
     table.refuse_empty(*LOOP_FILE)
     for name, points in table.rows.groupby("loop", sort=False):
@@ -120,4 +122,10 @@ def read_loops(path):
                 " of loading and forces positive as the drift; turn them round",
             )
         found.append(row)
+    points = table.rows[["force_kn", "drift_pct"]].abs()
+    drifts_pct = points["drift_pct"].groupby(table.rows["loop"]).max()
+    odd = implausible_loops(
+        float(points["force_kn"].max()), drifts_pct, float(table.rows["height_m"].iloc[0])
+    )
+    warn(*(f"{path}: {message}" for message in odd))
     return found

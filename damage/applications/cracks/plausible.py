@@ -1,4 +1,5 @@
-"""Which cracks a wall can have: finds places and widths in a wrong unit."""
+"""Which cracks and loops a wall can have: finds places, widths, forces and drifts in a wrong
+unit."""
 
 import numpy as np
 
@@ -9,6 +10,13 @@ CRACK_WIDTH = plausible(
     0.01, 200, "mm", "visible by a lens; a wall that is about to fall", others={"m": 1e3, "cm": 10}
 )
 """Largest width of the cracks of a file."""
+LOOP_FORCE = plausible(
+    0.01, 1e4, "kN", "a wall of a scale model; the largest actuators", others={"N": 1e-3}
+)
+"""Largest force of the loops of a test."""
+LOOP_DRIFT_PCT = 0.005, 1.5
+"""Plausible drift of a test's loops [%]: the largest reaches the first, where a wall is still
+elastic, and the smallest does not pass the second, where most walls have failed."""
 OFF_WALL = 0.2
 """Share of the length of a file's cracks off the wall above which its places are implausible."""
 
@@ -51,6 +59,27 @@ def implausible_width(widest_mm):
     """
     message = message_of("the widest crack", widest_mm, CRACK_WIDTH)
     return message and f"{message}, of width_mm, opening_mm or slip_mm"
+
+
+def implausible_loops(largest_kn, drifts_pct, height):
+    """What is implausible of the loops of a test, a list of lines.
+
+    largest_kn: largest force; drifts_pct (n,): largest drift of each loop [%]; height [m]: over
+    which it counts.
+
+    >>> implausible_loops(9e4, [0.1, 0.2], 2.0)
+    ['the largest force = 90000 kN, expected 0.01 to 10000 kN: 90000 N is 90000e-3 kN']
+    """
+    least, most = LOOP_DRIFT_PCT
+    others = {"as a ratio": 100.0, "mm": 0.1 / height}
+    drifts = plausible(least, most, "%", "", others=others)
+    largest, smallest = float(max(drifts_pct)), float(min(drifts_pct))
+    messages = [message_of("the largest force", largest_kn, LOOP_FORCE)]
+    if largest < least:
+        messages.append(message_of("the largest loop's drift", largest, drifts))
+    if smallest > most:
+        messages.append(message_of("the smallest loop's drift", smallest, drifts))
+    return list(filter(None, messages))
 
 
 def _share_off(ends, wall):

@@ -122,6 +122,21 @@ class TestLoops:
         assert "dissipated_j" in output_of("cycles", path)
 
     @pytest.mark.parametrize(
+        ("force", "drift", "words"),
+        [
+            (1e4, 1, "the largest force = 100000 kN, expected 0.01 to 10000 kN: 100000 N is"),
+            (1, 0.01, "the largest loop's drift = 0.003 %, expected 0.005 to 1.5 %: 0.003 as a ratio"),
+            (1, 20, "the smallest loop's drift = 6 %, expected 0.005 to 1.5 %: 6 mm is 0.3 %"),
+        ],
+    )
+    def test_loops_in_other_units_are_named(self, tmp_path, capsys, force, drift, words):
+        """A force in N, a drift as a ratio, a displacement in mm of a wall 2 m high."""
+        read_loops(self.loops(tmp_path / "a.csv", force * self.SLIDER, drift * self.DRIFT))
+        assert words in capsys.readouterr().err
+        read_loops(self.loops(tmp_path / "b.csv", self.SLIDER))
+        assert not capsys.readouterr().err
+
+    @pytest.mark.parametrize(
         "words, force, drift, extra",
         [
             ("turn them round", -SLIDER, DRIFT, ""),
