@@ -201,6 +201,7 @@ def pushed_report(history, to=None, tested_loops=()):
             side: capacity.bilinear(curve, height)
             for side, curve in capacity.loaded_curves(history).items()
         },
+        "ultimate_drift_note": found["ultimate_drift_note"],
         "first_crack_drift": capacity.drift_at_first_crack(history),
         "failure": found["failure"],
         "by_hand_n": capacity.hand_capacities(history),
@@ -291,6 +292,7 @@ def draws_report(histories, to=None):
         "draws": len(found),
         "test": test and test.specimen,
         "figures": rows,
+        "ultimate_drift_note": found[0]["ultimate_drift_note"],
         "not_ended": sum(not one["ended"] for one in found),
         "failure": dict(Counter(one["failure"]["mode"] or "none" for one in found).most_common()),
         "failure_measured": test and test.mode,
@@ -310,6 +312,7 @@ def describe_draws(found):
             for name in ("median", "quantile_05", "quantile_95", "measured")
         )
         + f"{_shown(row['draws_needed']):>14s}"
+        + _note(found, row)
         for row in found["figures"]
     ]
     lines.append(
@@ -342,7 +345,8 @@ def describe(found):
     for side, line in found["bilinear"].items():
         lines.append(
             f"bilinear, {side}: {line['stiffness_n_per_m'] / 1e6:.1f} kN/mm,"
-            f" {line['force_n'] / 1e3:.1f} kN, to {100 * line['ultimate_drift']:.3f} % drift"
+            f" {line['force_n'] / 1e3:.1f} kN, to an ultimate drift of"
+            f" {100 * line['ultimate_drift']:.3f} % ({found['ultimate_drift_note']})"
         )
     failure = found["failure"]
     hand = ", ".join(
@@ -361,11 +365,18 @@ def describe(found):
     lines += [
         f"{', '.join(filter(None, (row['figure'], row['unit']))):42s}"
         f"{_shown(row['simulated']):>12s}"
-        + f"  {_shown(row['measured']):>10s}"
-        * bool(found["test"])
+        + f"  {_shown(row['measured']):>10s}" * bool(found["test"])
+        + _note(found, row)
         for row in found["figures"]
     ]
     return "\n".join(lines)
+
+
+def _note(found, row):
+    """The end of the line of a row of figures of a report: of the ultimate drift how far it was
+    off."""
+    is_ultimate = row["figure"].startswith("ultimate drift")
+    return f"  ({found['ultimate_drift_note']})" * is_ultimate
 
 
 def _loop_lines(rows, label, *more):

@@ -6,12 +6,13 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import one_line_error, refused_with, run_here, written
+from conftest import REPOSITORY, one_line_error, refused_with, run_here, written
 from numpy.testing import assert_allclose
 from small_history import CYCLIC, make_history, small_layout
 
 from damage import Joint, brick_of_masonry
 from damage.applications.cracks.capacity import (
+    ULTIMATE_DRIFT_NOTE,
     backbone,
     bilinear,
     capacity,
@@ -26,6 +27,8 @@ from damage.applications.cracks.capacity import (
 )
 from damage.applications.cracks.loops import loops_at, read_loops
 from damage.applications.cracks.pushed import (
+    describe,
+    describe_draws,
     draws_report,
     figures,
     pushed_report,
@@ -125,7 +128,11 @@ class TestLoops:
         ("force", "drift", "words"),
         [
             (1e4, 1, "the largest force = 100000 kN, expected 0.01 to 10000 kN: 100000 N is"),
-            (1, 0.01, "the largest loop's drift = 0.003 %, expected 0.005 to 1.5 %: 0.003 as a ratio"),
+            (
+                1,
+                0.01,
+                "the largest loop's drift = 0.003 %, expected 0.005 to 1.5 %: 0.003 as a ratio",
+            ),
             (1, 20, "the smallest loop's drift = 6 %, expected 0.005 to 1.5 %: 6 mm is 0.3 %"),
         ],
     )
@@ -315,6 +322,52 @@ class TestFigures:
         assert_allclose([peak["median"], peak["quantile_05"], peak["quantile_95"]], [20, 18, 25])
         assert peak["draws_needed"] == draws_needed([18, 20, 25]) and found["not_ended"] == 3
         assert "same draw" in one_line_error(draws_report, [histories[0], histories[0]])
+
+
+PREDICTED = REPOSITORY / "docs" / "tables" / "shear_walls_prediction.csv"
+TESTED_PCT = {
+    "SW0.1": 0.29,
+    "SW0.2": (0.30 + 0.41) / 2,
+    "MW0.1": 0.19,
+    "MW0.2": 0.26,
+    "LW0.1": 0.18,
+    "LW0.2": (0.21 + 0.25) / 2,
+    "HfBW0.1": 0.305,
+    "HfBW0.2": 0.345,
+    "LfBW0.1": 0.19,
+    "LfBW0.2": 0.15,
+    "COMP2_5": 1.43,
+}
+"""Ultimate drifts of the tests, means of both directions."""
+
+
+class TestUltimateDrift:
+    def test_its_note_is_that_of_the_predicted_walls(self):
+        predicted = pd.read_csv(PREDICTED).set_index("wall")["ultimate_drift_pct"]
+        predicted["COMP2_5"] = 0.095
+        ratios = predicted / pd.Series(TESTED_PCT)
+        off = (np.abs(np.log(ratios)) > np.log(2)).sum()
+        assert ULTIMATE_DRIFT_NOTE == (
+            f"predicted ones were {ratios.min():.2f} to {ratios.max():.1f} of the tested ones, off"
+            f" by more than a factor of 2 in {off} of {len(ratios)} walls"
+        )
+
+    def test_it_stands_beside_each(self, plastic, tmp_path):
+        printed = describe(pushed_report(plastic))
+        drifts = [line for line in printed.splitlines() if "ultimate drift" in line]
+        values = [line for line in drifts if "failure" not in line and "mean force" not in line]
+        # of both directions, and their mean
+        assert sum(ULTIMATE_DRIFT_NOTE in line for line in values) == 3
+        assert capacity(plastic)["ultimate_drift_note"] == ULTIMATE_DRIFT_NOTE
+        drift = np.linspace(0.0, 1e-3, 200)
+        histories = [
+            pushed_over(
+                tmp_path / f"{seed}.h5", 2e4 * np.minimum(drift, 1e-4) / 1e-4, drift, seed=seed
+            )
+            for seed in (1, 2)
+        ]
+        drawn = describe_draws(draws_report(histories))
+        assert drawn.count(ULTIMATE_DRIFT_NOTE) == 1
 
 
 class TestMeasured:
