@@ -107,7 +107,8 @@ def calibrated(tests):
     normal_stiffness, shear_stiffness [Pa/m], cohesion [Pa], friction [-]: {"value",
     "standard_error": None of a single specimen, "scatter": coefficient of variation between
     specimens, of cohesion and friction that of the peaks about the line, "specimens"}; of the last
-    two "characteristic", too.  notes: what the standard asks for and the tests lack, and values that no joint has.
+    two "characteristic", too.  notes: what the standard asks for and the tests lack, and values
+    that no joint has.
     """
     triplets = tests[tests["shear_stress_mpa"].notna()]
     couplets = tests[tests["shear_stress_mpa"].isna()]

@@ -218,9 +218,9 @@ def write_curves(fits, folder, eigen_period_s):
     """
     folder, paths = Path(folder), []
     for wall, ones in fits.items():
-        ones = with_one_dispersion(ones)
-        for measure in dict.fromkeys(one.measure for one in ones):
-            same = [one for one in ones if one.measure == measure]
+        joined = with_one_dispersion(ones)
+        for measure in dict.fromkeys(one.measure for one in joined):
+            same = [one for one in joined if one.measure == measure]
             stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
             paths += [
                 write_nrml(

@@ -117,8 +117,8 @@ AT = _STATE | {
     },
     "new_record": Column(
         "1",
-        "probability in a new record, averaged over what it may be: the mean, which may lie outside "
-        "these bounds",
+        "probability in a new record, averaged over what it may be; the mean may lie outside the "
+        "bounds of its own probability",
     ),
     "undetermined": CURVE["undetermined"],
 }

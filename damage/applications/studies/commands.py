@@ -127,8 +127,8 @@ def _fragility(asked):
         table = at_intensities(fits, asked.at)
         print(table.to_string(index=False, float_format="%.3f", na_rep="-"))
         print(
-            "new_record_low, _median, _high: of a new record's own probability; new_record: the mean"
-            " of that, which may lie outside where few records do most of the damage"
+            "new_record_low, _median, _high: of a new record's own probability; new_record: its"
+            " mean, which may lie outside, where few records do most of the damage"
         )
         print(write_table(table, asked.out / f"fragility_{intensity}_at.csv"))
     save(

@@ -180,8 +180,8 @@ class Fragility:
         if high / low <= WIDE:
             return []
         return [
-            f"{self.state}: a new record's median is known within a factor of {high / low:.0f} only:"
-            f" these {self.n_records} records tell nothing of another; run more"
+            f"{self.state}: a new record's median is known within a factor of {high / low:.0f}"
+            f" only: these {self.n_records} records tell nothing of another; run more"
         ]
 
     def _open(self):

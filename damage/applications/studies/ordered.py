@@ -77,7 +77,10 @@ def _by_measure(fits):
 
 def _likelier(milder, graver):
     """Where within the intensities that were run a graver state is likelier than a milder one, in
-    words; None where nowhere, and of a step, whose dispersion is not known.  Two curves cross once, at equal (ln x - ln median) / dispersion."""
+    words; None where nowhere, and of a step, whose dispersion is not known.
+
+    Two curves cross once, at equal (ln x - ln median) / dispersion.
+    """
     narrower = milder.dispersion - graver.dispersion
     if narrower == 0 or milder.step or graver.step:
         return None
