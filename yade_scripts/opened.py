@@ -6,6 +6,7 @@ import signal
 import sys
 from contextlib import redirect_stdout
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -22,6 +23,7 @@ from damage.run.run import Run
 from damage.run.session import attended, prepare, simulate
 from damage.start import EXIT_INTERRUPTED
 from damage.wall.kinds import KINDS
+from yade_scripts.bonds import bonds_by_law
 
 _OWN = (
     yade.ForceResetter,
@@ -31,6 +33,7 @@ _OWN = (
     yade.NewtonIntegrator,
 )
 """Engines that a wall has by itself, as every new scene of YADE's; the time step is the run's."""
+OF_BONDS = "kn", "ks", "FnMax", "FsMax", "tanFrictionAngle"
 _PROMPT = """{wall} {stage} the run, stage {run_stage}, {time:.3f} s.  At hand: {names}.
 scene.joint_at(x, z), scene.force(joint), O.interactions, ...; exit ends the prompt{then}."""
 
@@ -50,6 +53,7 @@ class Scene:
     def __init__(self, layout, solver, console=None):
         self.layout, self.solver, self.run, self.console = layout, solver, None, console
         self._prepared, self._settled, self._finished = None, False, False
+        self._left, self._changed = Properties.of(solver), []
         Scene.current = self
 
     def __repr__(self):
@@ -111,12 +115,13 @@ class Scene:
         """Take the wall to rest under its weight and precompression, the static stage; returns this
         Scene."""
         prepared = self._asked("settle")
+        self.changed_by_hand()
         self.run = Run(
             self.layout, prepared.settings, self.solver, prepared.writer, lambda run, time_s: True
         )
         with redirect_stdout(io.StringIO()):
             take_turns([self.run.come_to_rest()])
-        self._settled = True
+        self._settled, self._left = True, Properties.of(self.solver)
         return self
 
     def finish(self):
@@ -135,6 +140,17 @@ class Scene:
 
     def _begins(self, run):
         self.run = run
+        return self.changed_by_hand()
+
+    def changed_by_hand(self):
+        """What scripts and people have changed of the wall that was built, in words, "" where
+        nothing."""
+        now = Properties.of(self.solver)
+        by_law = bonds_by_law(self.layout)
+        for name, number in now.changed_since(self._left, by_law).items():
+            self._changed.append(f"{name} ({number})")
+        self._left = now
+        return ", ".join(self._changed)
 
     def _asked(self, what):
         if self._prepared is None or self._finished:
@@ -142,6 +158,40 @@ class Scene:
                 f"scene.{what}(): expected a scene of open_scene that has not run; open it anew"
             )
         return self._prepared
+
+
+class Properties(NamedTuple):
+    """What a run takes from YADE's bonds and clumps: steps so far; {name: (n_contacts,)} of bonds,
+    NaN of those that failed; masses of clumps (n_bodies,) [kg]."""
+
+    step: int
+    of_bonds: dict
+    masses: np.ndarray
+
+    @classmethod
+    def of(cls, solver):
+        """The Properties of the wall of a YadeSolver now."""
+        model = solver.model
+        of_bonds = {
+            name: np.array([getattr(physics, name, np.nan) for physics in model.physics], float)
+            for name in OF_BONDS
+        }
+        masses = np.array([O.bodies[clump].state.mass for clump in model.clumps])
+        return cls(O.iter, of_bonds, masses)
+
+    def changed_since(self, before, by_law):
+        """{name: how many bonds or bricks} that differ from earlier Properties, but for what steps
+        since then may have changed; by_law: as of `bonds_by_law`."""
+        stepped = self.step != before.step
+        found = {}
+        for name, values in self.of_bonds.items():
+            earlier = before.of_bonds[name]
+            differ = (values != earlier) & ~np.isnan(values) & ~np.isnan(earlier)
+            if stepped:
+                differ[: len(by_law)] &= ~by_law
+            found[f"{name} of bonds"] = differ
+        found["masses of bricks"] = self.masses != before.masses
+        return {name: int(differ.sum()) for name, differ in found.items() if differ.any()}
 
 
 class _AtRest:

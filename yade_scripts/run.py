@@ -100,6 +100,7 @@ def _backend(engines):
         scene.run = run
         if scene.console == "before":
             prompt(scene, "before", "; the run follows")
+        return scene.changed_by_hand()
 
     return Backend(
         "yade",

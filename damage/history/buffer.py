@@ -134,6 +134,11 @@ class Buffer:
         another name by now."""
         return self._sinks[-1].history(path or self.path)
 
+    def add_parameters(self, parameters):
+        """Add parameters, fit for JSON, to those of the run."""
+        for sink in self._sinks:
+            sink.add_parameters(parameters)
+
     def begin_again(self, write):
         """Discard all that was written, and become the Buffer that `write` makes."""
         for sink in self._sinks:

@@ -9,7 +9,13 @@ import numpy as np
 from damage.history import schema
 from damage.history.buffer import Buffer
 from damage.history.reader import history_of, read_history
-from damage.history.writer import File, growing_columns, layout_tables, run_attributes
+from damage.history.writer import (
+    File,
+    add_parameters,
+    growing_columns,
+    layout_tables,
+    run_attributes,
+)
 
 MOST_BYTES = 10_000_000
 """Size [bytes] beyond which a history continues in its file, so that little is left to be written
@@ -38,6 +44,12 @@ class Memory:
 
     def static_stage(self, values):
         self._values = values
+
+    def add_parameters(self, parameters):
+        if self._file is not None:
+            self._file.add_parameters(parameters)
+        else:
+            add_parameters(self.attributes, parameters)
 
     def rows(self):
         return list(self._counts.values())

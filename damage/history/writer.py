@@ -83,6 +83,12 @@ class File:
             for name, value in values.items():
                 self._file["static"][name][()] = value
 
+    def add_parameters(self, parameters):
+        add_parameters(self.attributes, parameters)
+        with self._writing():
+            self._file["run"].attrs.update(self.attributes)
+            self._file.flush()
+
     def discard(self):
         """Close the file and delete it."""
         with self._writing():
@@ -272,6 +278,12 @@ def run_attributes(layout, solver, parameters, versions):
         "height_m": layout.wall.built_height,
         "length_m": layout.wall.length,
     }
+
+
+def add_parameters(attributes, parameters):
+    """Add parameters to those in the attributes of a history's run."""
+    found = json.loads(attributes["parameters_json"]) | parameters
+    attributes["parameters_json"] = json.dumps(found, sort_keys=True)
 
 
 def _write_fixed(file, layout, attributes):

@@ -32,6 +32,7 @@ def warnings_of(history):
         ]
     share = elastic_share(history.plan, history.joints, history.bodies)
     found = {
+        "changed_by_hand": changed_warnings(history),
         "static_stage": static_warnings(history),
         "energy_balance": energy_warnings(balance_error(history)),
         "elastic_share": warn_of_share(share),
@@ -63,6 +64,17 @@ def static_warnings(history):
             f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}"
         )
     return found
+
+
+def changed_warnings(history):
+    """Warning of a wall that was changed in YADE's scene before it ran, a list of str."""
+    changed = history.parameters.get("changed_by_hand")
+    if not changed:
+        return []
+    return [
+        f"changed by hand in YADE's scene: {changed}; the strengths, stiffnesses and masses that"
+        " are stated are those of the wall's file"
+    ]
 
 
 def energy_warnings(error):

@@ -136,7 +136,7 @@ def resumed(path, layout, parameters, origin, scene):
     other = [
         name
         for name in now | history.parameters
-        if name not in ("command", "wall_file", "outside_validity")
+        if name not in ("command", "wall_file", "outside_validity", "changed_by_hand")
         and history.parameters.get(name) != now.get(name)
     ]
     if other:

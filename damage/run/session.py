@@ -63,7 +63,8 @@ class Backend:
     joints that soften [s];
     keeps_state: whether the history has the state at its end, from which another run continues; it
     is in a checkpoint otherwise;
-    begins(run): called with the Run before its first step; most: runs that step together at most.
+    begins(run): called with the Run before its first step, returns what was changed by hand since
+    the wall was built, in words; most: runs that step together at most.
     """
 
     name: str
@@ -74,7 +75,7 @@ class Backend:
     open_view: Callable | None = None
     softening_beta_s: float = SOFTENING_BETA_S
     keeps_state: bool = True
-    begins: Callable = lambda run: None
+    begins: Callable = lambda run: ""
     most: int = 1
 
 
@@ -431,7 +432,7 @@ def _simulate(prepared, keep_going, settled):
             checkpoints=prepared.checkpoints,
             resumed=prepared.resumed,
         )
-        prepared.backend.begins(run)
+        _keep_changed(prepared, prepared.backend.begins(run))
         finished = yield from run.come_to_rest()
         if finished:
             run.start()
@@ -467,6 +468,19 @@ def _simulate(prepared, keep_going, settled):
         if status is not None:
             writer.finish(status, collapsed)
     return EXIT_OK if status == "complete" else EXIT_INTERRUPTED
+
+
+def _keep_changed(prepared, changed):
+    """Write into the history what was changed by hand, in words; raises InputError where the state
+    of another run replaces it."""
+    if not changed:
+        return
+    if prepared.state is not None or prepared.resumed is not None:
+        raise InputError(
+            f"changed by hand: {changed}: expected the wall as built, as the state of the run that"
+            " continues replaces it; leave --continue or --resume out, or change nothing"
+        )
+    prepared.writer.add_parameters({"changed_by_hand": changed})
 
 
 class Progress:

@@ -17,7 +17,7 @@ SCRIPT = f"""
 import json, sys
 sys.path.insert(0, {str(REPOSITORY)!r})
 from yade import *
-from damage import Wall
+from damage import Wall, warnings_of
 from damage.errors import InputError, RunError
 from yade_scripts import current_scene, open_scene
 from yade_scripts.leaving import run_and_leave
@@ -69,7 +69,7 @@ def opened():
               "kind": said(scene.joint_at, 0, 0, "base"), "far": said(scene.force, 1000)}}
     history = scene.finish()
     found |= {{"samples": len(history.series), "status": history.status,
-              "again": said(scene.finish)}}
+              "again": said(scene.finish), "codes": codes(history)}}
     O.reset()
     return found | {{"replaced": said(scene.solver.advance, 1)}}
 
@@ -79,12 +79,34 @@ def slippery():  # half of the friction, set for each bond of a wall that is pus
     scene = open_scene(low, pushover=0.12, boundary="fixed")
     for bond in scene.solver.model.physics:
         bond.tanFrictionAngle *= 0.5
-    series = scene.finish().series
-    return {{"shear": float(series["base_shear_n"].iloc[-20:].mean()),
-            "load": scene.layout.total_mass * 9.81}}
+    history = scene.finish()
+    return {{"shear": float(history.series["base_shear_n"].iloc[-20:].mean()),
+            "load": scene.layout.total_mass * 9.81, "changed": changed(history),
+            "bonds": len(scene.solver.model.bonds)}}
 
 
-run_and_leave(lambda: print(json.dumps([refusals(), opened(), slippery()])))
+def weakened():  # before and after the static stage
+    found = []
+    for out in (None, sys.argv[0] + ".h5"):
+        O.reset()
+        scene = open_scene(WALL, harmonic=(0.05, 0.1), cycles=1, rest=0, out=out)
+        scene.interactions(0)[0].phys.FnMax = 0
+        scene.settle()
+        O.bodies[scene.solver.model.clumps[1]].state.mass *= 2
+        history = scene.finish()
+        found += [changed(history), codes(history)]
+    return found
+
+
+def changed(history):
+    return history.parameters.get("changed_by_hand")
+
+
+def codes(history):
+    return [one.code for one in warnings_of(history)]
+
+
+run_and_leave(lambda: print(json.dumps([refusals(), opened(), slippery(), weakened()])))
 """
 
 
@@ -109,7 +131,7 @@ def test_engines_and_bodies_that_would_vanish_are_refused_by_name(found):
 
 
 def test_an_open_scene_is_weightless_then_carries_its_weight(found):
-    _, scene, _ = found
+    _, scene, *_ = found
     assert scene["weightless"] < 1e-6 * scene["weight"]
     assert_allclose(scene["ground"], [-scene["weight"], 0.0], atol=1e-6 * scene["weight"])
     assert scene["steps"] == [10, 10]
@@ -121,11 +143,22 @@ def test_an_open_scene_is_weightless_then_carries_its_weight(found):
 
 
 def test_a_scene_finishes_its_run_once_and_not_in_another_scene(found):
-    _, scene, _ = found
+    _, scene, *_ = found
     assert scene["status"] == "complete" and scene["samples"] > 200
     assert "open it anew" in scene["again"] and "the wall's scene was replaced" in scene["replaced"]
 
 
 def test_friction_that_a_script_sets_for_bonds_stays_when_they_fail(found):
-    *_, slid = found
+    slid = found[2]
     assert_allclose(slid["shear"], 0.5 * math.tan(math.radians(32)) * slid["load"], rtol=5e-3)
+
+
+def test_a_scene_that_was_changed_by_hand_says_so(found):
+    """Not one that steps alone moved on."""
+    _, scene, slid, weakened = found
+    assert "changed_by_hand" not in scene["codes"]
+    assert slid["changed"] == f"tanFrictionAngle of bonds ({slid['bonds']})"
+    in_memory, in_a_file = weakened[:2], weakened[2:]
+    assert in_memory == in_a_file
+    said, codes = in_memory
+    assert said == "FnMax of bonds (1), masses of bricks (1)" and "changed_by_hand" in codes
