@@ -20,8 +20,8 @@ DATA = _PACKAGE / "data"
 
 
 def shipped(folder):
-    """Path of `walls`, `houses` or `studies`: in the installed package below `share`, in a clone beside the
-    package (pyproject.toml maps one to the other)."""
+    """Path of `walls`, `houses` or `studies`: in the installed package below `share`, in a clone
+    beside the package (pyproject.toml maps one to the other)."""
     inside = _PACKAGE / "share" / folder
     return inside if inside.is_dir() else _PACKAGE.parent / folder
 
