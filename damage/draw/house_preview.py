@@ -37,7 +37,7 @@ def house_preview(layout):
     concrete.sort(key=lambda floor: floor.level)
     lengths = [wall.length for wall in walls]
     scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
-    ends = np.concatenate([_outline(one) for one in house.walls])
+    ends = np.concatenate([one.corners for one in house.walls])
     plan = min(PAGE_WIDTH * np.ptp(ends[:, 1]) / np.ptp(ends[:, 0]), 3.0)
     high = max(wall.built_height for wall in walls) * scale
     figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
@@ -70,14 +70,6 @@ def house_preview(layout):
     return figure
 
 
-def _outline(placed):
-    """Corners of a Placed wall in plan, (4, 2) [m]."""
-    along, across = placed.axes[:2, :2]
-    half = across * placed.wall.brick.thickness / 2
-    ends = np.array([placed.origin, placed.origin + along * placed.wall.length])
-    return np.concatenate([ends - half, ends[::-1] + half])
-
-
 def _area(span):
     """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
     return [
@@ -88,7 +80,7 @@ def _area(span):
 
 def _draw_plan(ax, house):
     """Draw the plan of a house; returns {label: handle} of a legend."""
-    corners = np.array([_outline(one) for one in house.walls])
+    corners = np.array([one.corners for one in house.walls])
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     found = {}
     for floor in house.floors:

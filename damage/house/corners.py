@@ -31,31 +31,14 @@ def makes_room_for(layout, one, other, kind):
             f"{where} touch {at}: expected a corner of theirs in [[corners]], or a distance; add"
             " it, or move one"
         )
-    closing = how_to_close(house, walls[one], walls[other], kind) if kind else ""
-    if kind and least[nearest] < -TINY:
-        raise InputError(
-            f"{where} do not meet: expected their corner {at}, where {-least[nearest]:.4g} m are"
-            f" between them; move one, or leave the corner out{closing}"
-        )
     halves = layout.bodies.course >= 0
     halves &= np.abs(layout.bodies.length - layout.wall.brick.thickness) < TINY
-    if (kind == "butted" and overlap.any()) or (kind == "toothed" and not overlap.any()):
-        raise InputError(
-            f"{where} {'overlap' if overlap.any() else 'touch'} {at}: expected"
-            f" {'an end at a face' if overlap.any() else 'ends in one another'} of a {kind} corner;"
-            f" correct the origin or the kind{closing}"
-        )
     for a, b, size in zip(i[overlap], j[overlap], (high - low)[overlap]):
         if halves[a] == halves[b] or np.ptp(size[:2]) > TINY:
             raise InputError(
-                f"{where} overlap {at}: expected"
-                + (
-                    f" ends in one another{closing}"
-                    if closing
-                    else " a half brick of one in the place of a whole one of the other, in turn by"
-                    ' courses; make bricks twice as long as thick, base_course "half" of one, and'
-                    " give --top uniform, as caps overlap"
-                )
+                f"{where} overlap {at}: expected a half brick of one in the place of a whole one of"
+                " the other, in turn by courses; make bricks twice as long as thick, base_course"
+                ' "half" of one, and give --top uniform, as caps overlap'
             )
         half, whole = (a, b) if halves[a] else (b, a)
         dropped[half] = whole

@@ -93,6 +93,12 @@ class Placed:
         """Its left and right end in plan, in the middle of its thickness (2, 2) [m]."""
         return self.origin + np.outer([0.0, self.wall.length], self.axes[0, :2])
 
+    @property
+    def corners(self):
+        """Its rectangle in plan, in turn (4, 2) [m]."""
+        half = self.wall.brick.thickness / 2 * self.axes[1, :2]
+        return np.concatenate([self.ends - half, self.ends[::-1] + half])
+
 
 @dataclass(frozen=True)
 class Corner:
@@ -156,15 +162,8 @@ class Diaphragm:
 def outline(walls):
     """Corners of the rectangle around Placed walls at right angles, in the axes of the first: the
     lowest and the highest ones, (2, 2) [m]."""
-    axes = walls[0].axes[:2, :2]
-    half = [one.wall.brick.thickness / 2 * np.abs(axes @ one.axes[1, :2]) for one in walls]
-    ends = [[axes @ end for end in one.ends] for one in walls]
-    return np.array(
-        [
-            np.min([np.min(end, axis=0) - by for end, by in zip(ends, half)], axis=0),
-            np.max([np.max(end, axis=0) + by for end, by in zip(ends, half)], axis=0),
-        ]
-    )
+    corners = np.concatenate([one.corners for one in walls]) @ walls[0].axes[:2, :2].T
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 @dataclass(frozen=True)

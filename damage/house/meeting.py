@@ -15,27 +15,30 @@ SIZES = {"mm": 1e-3, "cm": 1e-2}
 
 
 def check_plan(house):
-    """Raise InputError for walls of a House that lie on each other, or meet at another than a right
-    angle."""
-    corners = [set(corner.walls) for corner in house.corners]
+    """Raise InputError for walls of a House that miss their corner, or lie on each other."""
+    kinds = {frozenset(corner.walls): corner.kind for corner in house.corners}
     for one, other in combinations(house.walls, 2):
         names = [one.wall.name, other.wall.name]
-        where = f"house {house.name}, walls {' and '.join(names)}"
-        if abs(one.axes[0] @ other.axes[0]) < TINY:
-            continue
-        if set(names) in corners:
-            turn = (other.direction - one.direction) % 180
-            raise InputError(
-                f"{where} meet at {turn:.6g} degrees, another than a right angle: expected 90 at a"
-                f" corner; give {names[1]} direction = {(other.direction - turn + 90) % 360:.6g}"
-            )
+        kind = kinds.get(frozenset(names))
+        turn = (other.direction - one.direction) % 180
         distance = _distance(one, other)
-        if distance < TINY:
-            raise InputError(
-                f"{where} {'touch' if distance > -TINY else 'lie on each other'}: expected each"
-                " wall once, and a distance between walls that meet at no right angle; leave one"
-                " of them out, or move it"
+        if abs(one.axes[0] @ other.axes[0]) < TINY:
+            fault = kind and _missed(house, one, other, kind)
+        elif kind:
+            fault = (
+                f"meet at {turn:.6g} degrees, another than a right angle: expected 90 at a corner;"
+                f" give {names[1]} direction = {(other.direction - turn + 90) % 360:.6g}"
             )
+        elif distance < TINY:
+            fault = (
+                f"{'touch' if distance > -TINY else 'lie on each other'}: expected each wall once,"
+                " and a distance between walls that meet at no right angle; leave one of them out,"
+                " or move it"
+            )
+        else:
+            fault = None
+        if fault:
+            raise InputError(f"house {house.name}, walls {' and '.join(names)} {fault}")
 
 
 def warn_of_lone_walls(building):
@@ -49,12 +52,12 @@ def warn_of_lone_walls(building):
     ]
 
 
-def how_to_close(house, one, other, kind):
-    """The end of a message: by how much two Placed walls of a House miss their corner of this kind,
-    and which one change closes most corners; empty where their places fit."""
+def _missed(house, one, other, kind):
+    """By how much two Placed walls of a House miss their corner of this kind, and which one change
+    closes most corners, in words; None where they do not."""
     way = _way_to(one, other, kind)
     if np.linalg.norm(way) < TINY:
-        return ""
+        return None
     walls = {placed.wall.name: placed for placed in house.walls}
     kinds = {corner.walls: corner.kind for corner in house.corners}
     pair = next(names for names in kinds if set(names) == {one.wall.name, other.wall.name})
@@ -76,7 +79,8 @@ def how_to_close(house, one, other, kind):
     open_corners = {words: _open_corners(*change) for words, change in changes.items()}
     least = min(open_corners.values())
     best = " or ".join(words for words, number in open_corners.items() if number == least)
-    return f"; they miss by {np.linalg.norm(way):.4g} m: {best} closes it"
+    gap = np.linalg.norm(way)
+    return f"miss by {gap:.4g} m: expected a {kind} corner; {best} closes it"
 
 
 def _open_corners(walls, kinds):
@@ -99,10 +103,9 @@ def _way_to(one, other, kind):
         if kind == "toothed":
             ways += [(x - end[0], -inward - end[1]) for x in (half, length - half)]
         else:
-            ways.append((np.clip(end[0], half, length - half) - end[0], inward - end[1]))
+            ways.append((np.clip(end[0], 0.0, length) - end[0], inward - end[1]))
     if kind == "butted":  # an end of the first at a face of the second
-        low, high = ends[:, 1].min(), ends[:, 1].max()
-        up = np.clip(0.0, half - high, -half - low)
+        up = np.clip(0.0, -ends[:, 1].max(), -ends[:, 1].min())
         ways += [(x - ends[0, 0], up) for x in (-half, length + half)]
     return min(ways, key=np.linalg.norm) @ axes
 
@@ -110,12 +113,8 @@ def _way_to(one, other, kind):
 def _distance(one, other):
     """Distance in plan of two Placed walls [m], below zero where they overlap: the largest along
     their axes (separating axes of rectangles)."""
-    corners = []
-    for placed in (one, other):
-        half = placed.wall.brick.thickness / 2 * placed.axes[1, :2]
-        corners.append(np.concatenate([placed.ends - half, placed.ends + half]))
     apart = []
     for axis in np.concatenate([one.axes[:2, :2], other.axes[:2, :2]]):
-        first, second = (corner @ axis for corner in corners)
+        first, second = one.corners @ axis, other.corners @ axis
         apart.append(max(first.min() - second.max(), second.min() - first.max()))
     return float(max(apart))

@@ -78,15 +78,31 @@ def _floor(level, one, other, kind="timber"):
 @pytest.mark.parametrize(
     "old, new, says",
     [
-        ("[0.1, -0.1]", "[0.1, 0.3]", "front and left do not meet: expected their corner at (0.1"),
-        ("[0.1, -0.1]", "[0.101, -0.1]", "miss by 0.001 m: origin = [0.1, -0.1] of left closes"),
-        ("[0.1, -0.1]", "[0.1, -0.099]", "miss by 0.001 m: origin = [0.1, -0.1] of left closes"),
-        ("[0, 1.8]", "[0, 1.5]", "miss by 0.3 m: origin = [0, 1.8] of back closes it"),
-        ("direction = 90", "direction = -90", "miss by 0.2 m: direction = 90 of left closes it"),
+        ("[0.1, -0.1]", "[0.1, 0.3]", "front and left miss by 0.4 m: expected a toothed corner"),
+        (
+            "[0.1, -0.1]",
+            "[0.101, -0.1]",
+            "miss by 0.001 m: expected a toothed corner; origin = [0.1, -0.1] of left closes",
+        ),
+        (
+            "[0.1, -0.1]",
+            "[0.1, -0.099]",
+            "miss by 0.001 m: expected a toothed corner; origin = [0.1, -0.1] of left closes",
+        ),
+        (
+            "[0, 1.8]",
+            "[0, 1.5]",
+            "miss by 0.3 m: expected a toothed corner; origin = [0, 1.8] of back closes it",
+        ),
+        (
+            "direction = 90",
+            "direction = -90",
+            "miss by 0.2 m: expected a toothed corner; direction = 90 of left closes it",
+        ),
         ("[0, 1.8]", "[1e4, 0]", "these are no metres, or of two plans"),
         ('"side.toml"\nname', '"front.toml"\nname', "expected a half brick of one in the place"),
         ('["front", "left"]', '["front", "lift"]', "expected two of its walls, front, left"),
-        ('"toothed"', '"butted"', 'miss by 0.2 m: kind = "toothed" closes it'),
+        ('"toothed"', '"butted"', 'expected a butted corner; kind = "toothed" closes it'),
         ("direction = 90", "direction = 80", "another than a right angle: expected 90"),
         ("direction = 90", "direction = 89.98", "give left direction = 90"),
         ('name = "right"', 'name = "left"', "two walls named left"),
