@@ -48,6 +48,7 @@ def make_history(
     write=HistoryWriter,
     model=None,
     house=None,
+    eigen_period_s=None,
 ):
     """Write a history of a few samples to `path` and read it back; or by `write`, HistoryInMemory,
     keep it.
@@ -86,6 +87,7 @@ def make_history(
             "loading": LOADINGS[loading],
             "wall": layout.wall.as_dict(),
             "model": model or {},
+            "eigen_period_s": eigen_period_s,
         }
         | layout.house_parameters,
     )

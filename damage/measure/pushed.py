@@ -44,6 +44,11 @@ def peak_base_shear(history):
         "peak_force_n, drift_at_peak_force": Column(
             "N, 1", "of a pushed wall: largest base shear, the drift there"
         ),
+        "peak_force_wave_n": Column(
+            "N",
+            "of a pushed wall: amplitude of the base shear about a straight line in the first"
+            " period before its peak, by which that depends on the speed",
+        ),
         "initial_stiffness_n_per_m, secant_stiffness_n_per_m": Column(
             "N/m",
             "of a pushed wall: base shear over top displacement at 0.15 and 0.7 of the peak, on"
@@ -54,7 +59,8 @@ def peak_base_shear(history):
 def first_loading(history):
     """Peak force and stiffnesses of a pushed History.
 
-    The stiffnesses are taken where |base shear| first reaches INITIAL_SHARE and SECANT_SHARE of the
+    A quasi-static push does not vibrate; the wave tells how far this one is from it.  The
+    stiffnesses are taken where |base shear| first reaches INITIAL_SHARE and SECANT_SHARE of the
     peak.  They are of the entire run, in whichever direction each is reached first; `bilinear` uses
     the envelope in one direction.
     """
@@ -64,10 +70,22 @@ def first_loading(history):
     # and the steps of a prescribed velocity excite the base shear less.
     force, drift, displacement = since_the_push(history)
     peak = int(np.argmax(np.abs(force)))
-    values = [float(abs(force[peak])), float(abs(drift[peak]))]
+    values = [float(abs(force[peak])), float(abs(drift[peak])), _wave(history, force, peak)]
     for share in (INITIAL_SHARE, SECANT_SHARE):
         first = int(np.argmax(np.abs(force) >= share * values[0]))
         values.append(
             float(force[first] / displacement[first]) if displacement[first] != 0 else None
         )
     return values
+
+
+def _wave(history, force, peak):
+    """Amplitude of a sine [N] that scatters about a straight line as the forces do in the first
+    period up to the sample `peak`; None where that has no more than two samples."""
+    time_s = history.series["time_s"].to_numpy()
+    since = time_s[peak] - (history.eigen_period_s or 0.0)
+    before = slice(int(np.searchsorted(time_s, since)), peak + 1)
+    if peak + 1 - before.start < 3:
+        return None
+    line = np.polynomial.Polynomial.fit(time_s[before], force[before], 1)
+    return float(np.sqrt(2) * np.std(force[before] - line(time_s[before])))

@@ -14,6 +14,7 @@ from damage.mechanics.rows import (
     inverse_mass_of,
     keep_bench,
     mass_of,
+    mean_of,
     place_of,
     velocity_of,
 )
@@ -39,8 +40,11 @@ from damage.mechanics.tables import (
     BETA,
     COS1,
     DRIVEN,
+    FOLLOW,
+    INERTIAL,
     KINETIC,
     LOCAL,
+    MEAN,
     PARTS,
     PLACE,
     RIGID,
@@ -75,7 +79,16 @@ def set_bench(n, tables, controls, field, step):
             tables.bench,
             0,
             True,
-            Bench(base_x, base_z, base_z + gravity, dt, alpha, local, controls[w, BETA] / dt),
+            Bench(
+                base_x,
+                base_z,
+                base_z + gravity,
+                dt,
+                alpha,
+                local,
+                controls[w, BETA] / dt,
+                controls[w, FOLLOW] * dt,
+            ),
         )
     return damped
 
@@ -203,28 +216,30 @@ def total(n, sums, kind):
 @inlined
 def move_coordinate(n, inertia, b, k, bench, field, force, damped):
     """`advance` coordinate k of body b without mass scaling; field: as of `rates`."""
-    old, mass, free = (
-        velocity_of(n, inertia, b, k),
-        mass_of(n, inertia, b, k),
-        inverse_mass_of(n, inertia, b, k),
-    )
-    rate, resistance = rates(n, old, free, bench, field, force, damped)
+    mass = mass_of(n, inertia, b, k)
+    rate, resistance = rates(n, inertia, b, k, bench, field, force, damped)
     return advance(n, inertia, b, k, bench.step, rate - resistance, mass * resistance, force)
 
 
 @inlined
-def rates(n, old, free, bench, field, force, damped):
-    """Acceleration of a coordinate without damping, and its deceleration by damping [m/s2 or
+def rates(n, inertia, b, k, bench, field, force, damped):
+    """Acceleration of coordinate k of body b without damping, and its deceleration by damping [m/s2 or
     rad/s2]; both zero where its velocity is prescribed.
 
-    old: velocity; free: inverse mass; field: acceleration of the base plus gravity along the
-    coordinate; both act against its direction.  damped: whether the bench has damping:
-    mass-proportional, and Cundall's local damping, a share of |rate| against the velocity.
+    field: acceleration of the base plus gravity along the coordinate; both act against its
+    direction.  damped: whether the bench has damping: mass-proportional, of the velocity less its
+    running mean, which is updated, and Cundall's local damping, a share of |rate| against the
+    velocity.
     """
+    free = inverse_mass_of(n, inertia, b, k)
     rate, resistance = either(free > 0.0, force * free - field, 0.0), zero(n)
     if damped:
+        old, mean = velocity_of(n, inertia, b, k), mean_of(n, inertia, b, k)
+        mean = mean + bench.follow * (old - mean)
+        store(n, inertia, b, MEAN + INERTIAL * k, mean)
         sign = either(old > 0.0, 1.0, either(old < 0.0, -1.0, 0.0))
-        resistance = either(free > 0.0, bench.alpha * old + bench.local * abs(rate) * sign, 0.0)
+        resistance = bench.alpha * (old - mean) + bench.local * abs(rate) * sign
+        resistance = either(free > 0.0, resistance, 0.0)
     return rate, resistance
 
 
@@ -243,7 +258,7 @@ def advance(n, inertia, b, k, dt, rate, lost, force):
         inverse_mass_of(n, inertia, b, k),
     )
     new = old + dt * rate
-    store(n, inertia, b, VELOCITY + 3 * k, new)
+    store(n, inertia, b, VELOCITY + INERTIAL * k, new)
     return (
         either(free > 0.0, mass * (old + new), 0.0),
         -either(free > 0.0, 0.0, force * new),
@@ -268,17 +283,13 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
     places, inertia, one = tables.bodies, tables.inertia, wall_of(n, 0)
     for m in range(strain.shapes.shape[2]):
         k, half = RIGID + m, 0.5 * dt * strain.damping[b, m]
-        old, place, free = (
-            velocity_of(n, inertia, b, k),
-            place_of(n, places, b, k),
-            inverse_mass_of(one, inertia, b, k),
-        )
+        old, place = velocity_of(n, inertia, b, k), place_of(n, places, b, k)
         force = force_of(n, places, b, k) - strain.stiffness[b, m] * place
-        rate, resistance = rates(n, old, free, bench, 0.0, force, damped)
+        rate, resistance = rates(n, inertia, b, k, bench, 0.0, force, damped)
         new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
         middle = 0.5 * (old + new)
         store(n, places, b, PLACE + k, place + dt * new)
-        store(n, inertia, b, VELOCITY + 3 * k, new)
+        store(n, inertia, b, VELOCITY + INERTIAL * k, new)
         store(n, places, b, first_force(places) + k, 0.0)
         lost = (
             lost

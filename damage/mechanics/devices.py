@@ -33,12 +33,14 @@ def spread(n, tables):
     bench = rows.bench_of(n, tables.bench, 0)
     place, velocity, before = rows.beam_of(n, tables.beam, 0)
     dt, x, force = bench.step, rows.first_force(tables.bodies) + X, before
-    there, speed, local = zero(n), zero(n), bits(bench.local > 0.0) > 0
+    there, speed, mean, local = zero(n), zero(n), zero(n), bits(bench.local > 0.0) > 0
     for b in range(len(tables.turning)):
         share = load(n, tables.turning, b, 1)
         there = there + share * rows.place_of(n, tables.bodies, b, X)
         speed = speed + share * rows.velocity_of(n, tables.inertia, b, X)
-    change = (place - there) / dt - (1.0 - dt * load(n, tables.relaxation, 0, 0)) * speed
+        mean = mean + share * rows.mean_of(n, tables.inertia, b, X)
+    lost = bench.alpha * (1.0 - bench.follow) * (speed - mean)
+    change = (place - there) / dt - speed + dt * lost
     for _ in range(4 if local else 1):
         rate, freedom = zero(n), zero(n)
         for b in range(len(tables.turning)):

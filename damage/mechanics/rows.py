@@ -31,11 +31,13 @@ from damage.mechanics.simd import (
 from damage.mechanics.tables import (
     CONTACT_FIELDS,
     COS1,
+    INERTIAL,
     INVERSE_MASS,
     LAST,
     LIMITS,
     LINES,
     MASS,
+    MEAN,
     PARTS,
     PLACE,
     RADIATION,
@@ -179,13 +181,14 @@ def force_of(n, bodies, b, k):
 
 
 place_of = column(PLACE, 1)
-velocity_of, mass_of, inverse_mass_of = (
-    column(VELOCITY, 3),
-    column(MASS, 3),
-    column(INVERSE_MASS, 3),
+velocity_of, mass_of, inverse_mass_of, mean_of = (
+    column(VELOCITY, INERTIAL),
+    column(MASS, INERTIAL),
+    column(INVERSE_MASS, INERTIAL),
+    column(MEAN, INERTIAL),
 )
 """(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass
-and its inverse, zero where the velocity is prescribed."""
+its inverse, zero where the velocity is prescribed, and running mean of the velocity."""
 
 
 @inlined

@@ -16,7 +16,6 @@ from damage.mechanics.rows import (
     bench_of,
     first_force,
     force_of,
-    inverse_mass_of,
     mass_of,
     place_of,
     velocity_of,
@@ -97,12 +96,12 @@ def find_rates(n, tables, matrix, strain, damped, since):
         for k in range(matrix.count[i]):
             c, lost = matrix.first[i] + k, zero(n)
             old, mass = velocity_of(n, inertia, b, c), mass_of(n, inertia, b, c)
-            force, free = force_of(n, places, b, c), inverse_mass_of(n, inertia, b, c)
+            force = force_of(n, places, b, c)
             if strain is not None and c >= RIGID:
                 force = force - strain.stiffness[b, c - RIGID] * place_of(n, places, b, c)
                 lost = mass * (strain.damping[b, c - RIGID] * old)
             field = bench.base_x if c == X else bench.pull_z if c == Z else zero(n)
-            rate, resistance = rates(n, old, free, bench, field, force, damped)
+            rate, resistance = rates(n, inertia, b, c, bench, field, force, damped)
             lost = lost + mass * resistance
             store(n, room, i, k, mass * rate - lost)
             store(n, room, i, LOST + k, lost)

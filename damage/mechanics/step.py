@@ -101,8 +101,8 @@ def advance(n, tables, model, controls, field, clock, begin, stops, sampling):
     readings (opening, shear displacement and stresses of every contact point) are those at the
     displacements.
 
-    tables, model: Tables and Model; controls: (walls, 5) of `damage.mechanics.tables.TIME_STEP` to
-    ADAPTIVE; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in
+    tables, model: Tables and Model; controls: (walls, 6) of `damage.mechanics.tables.TIME_STEP` to
+    FOLLOW; field: (walls, steps + 1, 3) acceleration of the base along x and z and gravity, in
     each step and the one after the last [m/s2]; clock: (walls,) numbers of steps before; begin:
     walls (bits) that do not go on from within a call; stops: (stops, 2) rising numbers of steps
     from now, and the walls (bits) of which a sample is written there; sampling: Sampling.

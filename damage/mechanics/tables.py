@@ -26,8 +26,8 @@ RIGID = 3
 COS1, SIN, PLACE = range(3)
 """Fields of `bodies`: cosine of the rotation less one, its sine, the coordinates from PLACE on,
 then their forces."""
-VELOCITY, MASS, INVERSE_MASS = range(3)
-"""Fields of `inertia`: of coordinate k at 3 k from these."""
+VELOCITY, MASS, INVERSE_MASS, MEAN, INERTIAL = range(5)
+"""Fields of `inertia`, INERTIAL of them: of coordinate k at INERTIAL k from these."""
 OPENED, SLIPPED = 3, 4
 """Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the
 threshold of damage."""
@@ -45,7 +45,7 @@ energy, work of the damping of interfaces."""
 class Bench(NamedTuple):
     """The only row of `bench`, parameters of a step: acceleration of the base along x and z, and
     with gravity along z [m/s2]; time step [s]; mass-proportional [1/s] and local damping [-];
-    stiffness-proportional damping over the time step [-]."""
+    stiffness-proportional damping over the time step [-]; share of a velocity in its new mean [-]."""
 
     base_x: float
     base_z: float
@@ -54,13 +54,15 @@ class Bench(NamedTuple):
     alpha: float
     local: float
     rate: float
+    follow: float
 
 
 STEP = Bench._fields.index("step")
-TIME_STEP, LOCAL, ALPHA, BETA, ADAPTIVE = range(5)
+TIME_STEP, LOCAL, ALPHA, BETA, ADAPTIVE, FOLLOW = range(6)
 """Columns of `controls`, a row for each wall: time step [s]; local damping [-]; mass-proportional
 [1/s] and stiffness-proportional damping [s]; adaptive damping as the share of the rate of change of
-the kinetic energy [-]."""
+the kinetic energy [-]; rate at which means of velocities, which mass-proportional damping leaves
+out, follow these [1/s]."""
 
 
 class Bearing(NamedTuple):
@@ -201,8 +203,8 @@ class Tables(
     """Tables of one wall or of eight, with the fields of System that change or differ, (rows,
     fields, W).
 
-    bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass and inverse mass of
-    each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
+    bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass, inverse mass and
+    running mean of the velocity of each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
     first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
     eight interfaces, LINES, 8), copied by `copy_lines`; alike: whether all walls have the `springs`
     of `lines`; radiates: whether `radiation` is used.  It has rows in any case, so that its layout,
@@ -246,7 +248,7 @@ def make_tables(
     limits[:, :HAS_FAILED] = np.inf  # places that no wall takes stay intact
     return Tables(
         bodies=zeros(up(n_bodies), 2 + 2 * coordinates),
-        inertia=by_columns(n_bodies, 3 * coordinates),
+        inertia=by_columns(n_bodies, INERTIAL * coordinates),
         interfaces=interfaces,
         limits=limits,
         contacts=contacts,
@@ -300,7 +302,7 @@ def join(members):
     old = members[0][0]
     new = make_tables(
         len(old.turning),
-        old.inertia.shape[1] // 3,
+        old.inertia.shape[1] // INERTIAL,
         old.interfaces.copy(),
         old.contacts.copy(),
         len(old.radiation) * old.radiates,
@@ -330,17 +332,16 @@ def join(members):
 def system_of(tables, w):
     """System of wall w of Tables."""
     n, inertia = len(tables.turning), tables.inertia[..., w]
-    damped = len(tables.interfaces if inertia.shape[1] == 3 * RIGID else tables.contacts)
-    trig, place, force = np.split(
-        tables.bodies[:n, :, w], [PLACE, PLACE + inertia.shape[1] // 3], axis=1
-    )
+    coordinates = inertia.shape[1] // INERTIAL
+    damped = len(tables.interfaces if coordinates == RIGID else tables.contacts)
+    trig, place, force = np.split(tables.bodies[:n, :, w], [PLACE, PLACE + coordinates], axis=1)
     return System(
         place=place,
         force=force,
         trig=trig,
-        velocity=inertia[:n, VELOCITY::3],
-        mass=inertia[:n, MASS::3],
-        inverse_mass=inertia[:n, INVERSE_MASS::3],
+        velocity=inertia[:n, VELOCITY::INERTIAL],
+        mass=inertia[:n, MASS::INERTIAL],
+        inverse_mass=inertia[:n, INVERSE_MASS::INERTIAL],
         interfaces=tables.interfaces,
         contacts=tables.contacts,
         limits=tables.limits[: len(tables.interfaces), :, w],

@@ -482,14 +482,13 @@ not quasi-static."""
 
 @dataclass(frozen=True)
 class TopDisplacement(Loading):
-    """Quasi-static: the top is moved to and fro at a constant speed, and turns round smoothly; the
-    base
-    stands still.
+    """Quasi-static: the top is moved such that the drift goes to and fro at a constant speed, and
+    turns round smoothly; the base stands still.
 
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
     boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
-    speed_m_s: of the top [m/s]; local_damping [-], where the solver damps locally: the result
+    speed_m_s: of the course that the drift is of [m/s]; local_damping [-], where the solver damps locally: the result
         depends on both when they are not slow and high; top_rotation: stiffness of a rotational
         spring between the top and the machine that moves it [N m/rad], of each body that carries
         the top; 0: free.
@@ -573,7 +572,7 @@ class TopDisplacement(Loading):
         return np.append(np.outer(amplitudes, np.tile([1.0, -1.0], self.cycles)), 0.0)
 
     def top_displacement(self, time_s, height):
-        """Displacement of the top [m] at times (n,) [s]; it stays where it ends.
+        """Displacement that is asked for [m] at times (n,) [s]; it stays where it ends.
 
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
         point is reached.
@@ -612,6 +611,7 @@ class TopDisplacement(Loading):
             "boundary": self.boundary,
             "speed_m_s": float(self.speed_m_s),
             "ease_s": EASE_S,
+            "follows": "drift",
             "local_damping": float(self.local_damping),
             "top_rotation": float(self.top_rotation),
             **(shares if self.floor_shares else {}),
@@ -638,7 +638,7 @@ def loading_from_dict(table):
         )
     table = {"sa_02_s_g" if name == "sa_0.2_s_g" else name: value for name, value in table.items()}
     return record_from(
-        _KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s")
+        _KINDS[table["kind"]], table, derived=("kind", "name", "duration_s", "ease_s", "follows")
     )
 
 

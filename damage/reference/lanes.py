@@ -139,7 +139,7 @@ class Lanes:
                 wall.earlier.append(type(now := self._samples_now(wall))(*map(np.copy, now)))
 
     def _now(self):
-        """(walls,) steps since `start` and (walls, 5) `controls`; for a wall in use no longer those
+        """(walls,) steps since `start` and (walls, 6) `controls`; for a wall in use no longer those
         of another."""
         any_wall = next(filter(None, self.walls))
         walls = [wall or any_wall for wall in self.walls]

@@ -43,13 +43,9 @@ class ReferenceSolver(ReferenceWall, Solver):
         super().start(base, gravity)
         self.energy[:] = 0.0
 
-    def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
-        self.local_damping, self.adaptive_damping, self.alpha, self.beta = (
-            local,
-            adaptive,
-            alpha,
-            beta,
-        )
+    def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0, mean_1_s=0.0):
+        self.local_damping, self.adaptive_damping = local, adaptive
+        self.alpha, self.beta, self.mean_1_s = alpha, beta, mean_1_s
 
     def set_velocities(self, velocities):
         self.velocity = velocities

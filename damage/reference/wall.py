@@ -46,6 +46,7 @@ class ReferenceWall:
     def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=None):
         self.layout, self.time_step, self.step = layout, time_step, 0
         self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
+        self.mean_1_s = 0.0
         self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         # in a batch: of the steps asked for, those taken, and the samples before its last call
@@ -212,7 +213,8 @@ class ReferenceWall:
     @property
     def controls(self):
         """Values of the columns of `controls`, `damage.mechanics.tables`."""
-        return self.time_step, self.local_damping, self.alpha, self.beta, self.adaptive_damping
+        damping = self.local_damping, self.alpha, self.beta, self.adaptive_damping
+        return self.time_step, *damping, self.mean_1_s
 
     def start(self, base, gravity=None):
         """Set the acceleration of the base along x, z, (k, 2) [m/s2], and gravity, (k,) [m/s2],

@@ -148,8 +148,10 @@ def describe(summary):
     if summary["peak_force_n"] is not None:
         stiffness = (summary[f"{name}_stiffness_n_per_m"] for name in ("initial", "secant"))
         at_first, to_peak = ("-" if one is None else rounded(one / 1e6, 3) for one in stiffness)
+        wave_n = summary["peak_force_wave_n"]
+        wave = "" if wave_n is None else f", with a wave of {rounded(wave_n / 1e3, 2)} kN,"
         lines.append(
-            f"peak force {rounded(summary['peak_force_n'] / 1e3, 3)} kN at "
+            f"peak force {rounded(summary['peak_force_n'] / 1e3, 3)} kN{wave} at "
             f"{rounded(100 * summary['drift_at_peak_force'], 3)} % drift; stiffness "
             f"{at_first} kN/mm at first, {to_peak} kN/mm to 0.7 of the peak"
         )

@@ -8,7 +8,7 @@ import numpy as np
 from damage.elementary import total
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
-from damage.linear.modes import first_mode, mass_vector
+from damage.linear.modes import first_mode, mass_vector, natural_modes
 from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.motion.loading import mean_velocities
@@ -79,8 +79,9 @@ class Run:
         # snapshot of the last sample: of what else is kept all samples share the memory
         self._last = None
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        # motion at the end of settling
+        # motion at the end of settling, or where a push begins
         self._lowest, self._at_rest = monitor.lowest_places(layout), 0.0
+        self._period_s = float(natural_modes(layout).period_s[0])
         self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # (time [s], unbalanced force) in the static stage
         solver.with_stresses, self._looks = settings.stresses, []
@@ -234,14 +235,22 @@ class Run:
                 zero_of(self._state, now),
                 float(self._state["set_in_motion_j"]),
             )
+        if drive.top:  # a push begins where the wall stands, which may continue another run
+            self._at_rest = self._motion(now)
         self._last = self._snapshot(0.0, now, self._motion(now), -1)
         self.stage = self.stages[0].name
         if self._resumed is not None and self._resumed["stage"] >= 0:
             self._restore(self._resumed)
 
+    @property
+    def _spreads(self):
+        """Whether a spreader beam pushes."""
+        drive = self.settings.loading.drive
+        return bool(drive.floor_shares or (drive.top and self.layout.IN_SPACE))
+
     def _take_hold(self):
         drive = self.settings.loading.drive
-        if drive.floor_shares or (drive.top and self.layout.IN_SPACE):
+        if self._spreads:
             self.solver.spread(self.layout.push_shares(drive.floor_shares))
         elif drive.top:
             self.solver.hold(self.layout.pushed_bodies, not drive.top_rotates, drive.top_stiffness)
@@ -440,13 +449,21 @@ class Run:
 
     def _damping(self, stage):
         """Local or adaptive damping while settling, that of the settings otherwise: both at once
-        are unstable at this step.  With mass scaling local damping would do positive work."""
+        are unstable at this step.  With mass scaling local damping would do positive work.
+
+        A push needs damping of the vibration about its steady motion: what opposes the whole
+        velocity has one sign until the wave is faster than the push, and takes nothing from it.
+        It is critical in the first mode, as half of it leaves a wall that slides shaking.
+        """
         drive, local = self.settings.loading.drive, LOCAL_DAMPING
         if stage == "settlement":
             is_adaptive = self._borne is not None
-        elif stage == "static" or drive.quasi_static:
+        elif stage == "static":
             is_adaptive = self.settings.relaxation == "adaptive"
-            local = LOCAL_DAMPING if stage == "static" else drive.local_damping
+        elif drive.quasi_static and self.settings.relaxation == "local":
+            is_adaptive, local = False, drive.local_damping
+        elif drive.quasi_static:
+            return {"alpha": 4 * math.pi / self._period_s, "mean_1_s": 1 / self._period_s}
         elif stage == "settling":
             is_adaptive = self.settings.settles == "adaptive"
         else:
@@ -491,8 +508,18 @@ class Run:
         )
         if problem is not None:
             raise self._failure(f"{problem} is no longer finite", time_s[end])
-        self._prescribe(self._samples - 1)
+        self._prescribe(self._samples - 1, self._behind(time_s[-1:], motion[-1:]))
         return self.collapsed_at_s is None
+
+    def _behind(self, time_s, motion):
+        """How far the drift of a wall whose top is held is behind what is asked for at this time,
+        as displacement [m]; motion: `_motion` of then.  The top is above the drift's course, and
+        turns."""
+        drive, height = self.settings.loading.drive, self.layout.drift_height
+        if self.stage == "settlement" or not drive.top or self._spreads:
+            return 0.0
+        _, drift = self._top_and_drift(motion - self._at_rest)
+        return float(drive.top(time_s, height)[0]) - height * drift[0]
 
     def _have_fallen(self, motion, now):
         """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
@@ -509,18 +536,17 @@ class Run:
             self.layout, motion, now.joints, now.contacts["state"][: len(motion)]
         )
 
-    def _prescribe(self, interval):
+    def _prescribe(self, interval, behind_m=0.0):
         """Move the top and the supports by their velocities in this interval; they rest after the
-        last."""
+        last.  The drift catches up with what it is behind in a quarter of the first period."""
         for velocities, move, first in self._prescribed:
             if self.stage == "settlement" and first > 0:  # the top is not held yet
                 continue
-            if first <= interval <= first + len(velocities):
-                move(
-                    velocities[interval - first]
-                    if interval < first + len(velocities)
-                    else 0 * velocities[0]
-                )
+            if first <= interval < first + len(velocities):
+                more = 4 * behind_m / self._period_s if move == self.solver.push else 0.0
+                move(velocities[interval - first] + more)
+            elif interval == first + len(velocities):
+                move(0 * velocities[0])
         if self._prescribed and all(
             interval >= first + len(velocities) for velocities, _, first in self._prescribed
         ):

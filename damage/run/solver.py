@@ -85,9 +85,11 @@ class Solver(Protocol):
         """From this step on move the base by `base` (k, 2), of a house (k, 3) along its heading, up
         and across, under `gravity` (k,) [m/s2], whose last value stays."""
 
-    def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
+    def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0, mean_1_s=0.0):
         """From now on damp so, and in no other way: Cundall's local damping, the share that
-        adaptive damping takes [-], damping proportional to mass [1/s] and to stiffness [s]."""
+        adaptive damping takes [-], damping proportional to mass [1/s] and to stiffness [s].  That
+        by mass leaves out running means of the velocities, which follow them at the rate mean_1_s
+        [1/s]: those of a push that takes long; none at zero."""
 
     def add_static_displacement(self):
         """Move by the linear static solution of the intact wall under its weight; of solvers with

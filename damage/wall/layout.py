@@ -342,9 +342,10 @@ class Layout:
         )
 
     def height_of_push(self, floor_shares=()):
-        """Height of the resultant of a push [m]: of the pushed bodies, or of these floors."""
+        """Height at which a push is measured [m]: of the drift, or of the resultant on these
+        floors."""
         if not floor_shares:
-            return self.pushed_height
+            return self.drift_height
         return float(total(self.push_shares(floor_shares) * self.bodies.z))
 
     @property

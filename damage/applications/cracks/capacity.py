@@ -13,9 +13,8 @@ from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.pushed import SECANT_SHARE, since_the_push
 from damage.motion.loading import EASE_S
 from damage.units import GRAVITY
-from damage.wall.kinds import CAP_COURSE, CAP_HEIGHT
+from damage.wall.kinds import CAP_HEIGHT
 from damage.wall.layout import lay_out
-from damage.wall.restraints import top_of
 
 CYCLE_COLUMNS = (
     "cycle",
@@ -233,11 +232,13 @@ def cycle_edges(history):
 
     A run that stopped early has its completed cycles.  Raises InputError for another loading.
     """
-    loading = pushed_loading(history)
-    bodies, time_s = history.bodies, history.series["time_s"]
-    caps = bodies["z_m"][bodies["course"] == CAP_COURSE]
-    free = len(caps) and top_of(history.masonry_wall) is None
-    height = float(caps.mean()) if free else history.attributes["drift_height_m"]
+    loading, time_s = pushed_loading(history), history.series["time_s"]
+    if "follows" not in history.parameters["loading"]:
+        raise InputError(
+            f"{history.path}: an earlier version moved its top by the drift times the top's own"
+            " height; expected cycles whose drift is what was asked for; run it again"
+        )
+    height = history.attributes["drift_height_m"]
     if loading.floor_shares:
         layout = lay_out(history.masonry_wall, history.model)
         height = layout.height_of_push(loading.floor_shares)

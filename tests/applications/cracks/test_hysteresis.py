@@ -50,8 +50,8 @@ def plastic_force(displacement):
 def plastic(tmp_path_factory):
     """Three cycles of 0.2 % of an elastic, perfectly plastic wall that cracks in stairs."""
     layout = small_layout()
-    time_s = np.arange(0, CYCLIC.schedule(layout.pushed_height)[0][-1] + 0.002, 0.002)
-    displacement = CYCLIC.top_displacement(time_s, layout.pushed_height)
+    time_s = np.arange(0, CYCLIC.schedule(layout.drift_height)[0][-1] + 0.002, 0.002)
+    displacement = CYCLIC.top_displacement(time_s, layout.drift_height)
     return make_history(
         tmp_path_factory.mktemp("plastic") / "small.h5",
         layout,
@@ -67,7 +67,7 @@ class TestCycles:
     def test_area_and_damping_of_a_plastic_loop(self, plastic):
         """E_d = 4 F (a - u_y), xi = (2 / pi) (1 - u_y / a) in steady cycles."""
         table = cycles_table(plastic)
-        amplitude, elastic = 0.002 * small_layout().pushed_height, YIELD / STIFFNESS
+        amplitude, elastic = 0.002 * small_layout().drift_height, YIELD / STIFFNESS
         assert len(table) == 3 and list(table.amplitude_pct) == [0.2, 0.2, 0.2]
         steady = table.iloc[1]
         assert_allclose(steady.dissipated_j, 4 * YIELD * (amplitude - elastic), rtol=2e-3)
