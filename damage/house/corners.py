@@ -7,7 +7,6 @@ from itertools import product
 import numpy as np
 
 from damage.errors import InputError
-from damage.house.meeting import how_to_close
 from damage.house.space import SHARES, THROUGH, Points, boxes, with_points
 from damage.rounded import to_bits
 from damage.wall.kinds import BED, GROUND, HEAD, TINY
