@@ -27,11 +27,12 @@ class _Help(argparse.HelpFormatter):
 class OneLineParser(argparse.ArgumentParser):
     """An argument parser that raises its complaint as InputError instead of printing the usage.
 
-    examples: command lines, which its help ends with.
+    examples: command lines, which its help ends with; groups: {title: group of arguments} that
+    `group` has added.
     """
 
     def __init__(self, *args, examples=(), **kwargs):
-        self.examples = examples
+        self.examples, self.groups = examples, {}
         more = {"epilog": "\n  ".join(["examples:", *examples])} if examples else {}
         super().__init__(*args, **{"formatter_class": _Help, **more, **kwargs})
         # argparse takes -1e-5 for an option; it is a number.
@@ -97,15 +98,23 @@ def flag(name, help_, **options):
 
 
 def group(title, *arguments):
-    """A function that adds these arguments to the group of a parser with this title."""
+    """A function that adds these arguments to the group of a OneLineParser with this title, and
+    returns their actions."""
 
     def add(parser):
-        named = (one for one in parser._action_groups if one.title == title)
-        titled = next(named, None) or parser.add_argument_group(title)
-        for one in arguments:
-            one(titled)
+        if title not in parser.groups:
+            parser.groups[title] = parser.add_argument_group(title)
+        return [one(parser.groups[title]) for one in arguments]
 
     return add
+
+
+class Rows(argparse.Action):
+    """The action of an option of several numbers that may be repeated: their list."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        """Add the numbers to those before."""
+        setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or []), values])
 
 
 def fraction(word):

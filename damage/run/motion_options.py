@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from damage.arguments import arg, file_arg, file_path, flag, fraction, numbers
+from damage.arguments import Rows, arg, file_arg, file_path, flag, fraction, numbers
 from damage.errors import InputError
 from damage.motion.columns import UNITS_M_S2
 from damage.motion.formats import read_record
@@ -125,7 +125,7 @@ MOTION_GROUPS = {
             "--floor-share",
             nargs=2,
             type=float,
-            action="append",
+            action=Rows,
             metavar=("LEVEL_M", "SHARE"),
             help=(
                 "push the floor at this level with this share of the force, by a spreader beam;"

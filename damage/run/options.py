@@ -1,16 +1,16 @@
 """The options of a run, the same for every solver, and the frozen record that they become."""
 
-import argparse
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
 from damage.arguments import (
     WALLS_ARE_CODE,
     OneLineParser,
+    Rows,
     arg,
     file_arg,
     file_path,
@@ -239,6 +239,7 @@ def register(source):
     _GROUPS[source.title] = (*_GROUPS.get(source.title, ()), *source.arguments)
     _GROUPS[PAST] = _GROUPS.pop(PAST)
     make_parser.cache_clear()
+    options_of_a_run.cache_clear()
 
 
 def parse_run(arguments, prog, solver):
@@ -270,13 +271,9 @@ def settings_of(options, prog, solver):
         {name: value}: the name without its dashes, - or _ inside of it.  An option of several
         values has a tuple or a list, one without a value True.  None stands for the default.
     """
-    parser = make_parser("", solver)
-    given, actions = parser.parse_args([]), options_of_a_run(solver)
-    for name, value in options.items():
-        action = _action(actions, name)
-        if value is not None:
-            setattr(given, action.dest, _value_of(parser, action, name, value))
-    return _settings_of(given, f"{prog} {shown_command(words_of(options))}".strip())
+    words = words_of(options, solver)
+    given = make_parser("", solver).parse_args(words)
+    return _settings_of(given, f"{prog} {shown_command(words)}".strip())
 
 
 @lru_cache(maxsize=8)  # a study asks for one for each of its runs
@@ -291,21 +288,26 @@ def make_parser(prog, solver):
             f" {WALLS_ARE_CODE}"
         ),
     )
-    for title, arguments in (
-        _GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}
-    ).items():
-        group(title, *arguments)(parser)
+    _add_arguments(parser, solver)
     return parser
 
 
+def _add_arguments(parser, solver):
+    """Add the options of a run in a solver to a parser; returns their actions."""
+    groups = _GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}
+    return [
+        action for title, arguments in groups.items() for action in group(title, *arguments)(parser)
+    ]
+
+
+@cache
 def options_of_a_run(*solvers):
     """{name in Python: argparse's action} of the options of a run in these solvers, all of them
     without one."""
     return {
         action.dest: action
         for solver in solvers or SOLVERS
-        for action in make_parser("", solver)._actions
-        if action.dest != "help"
+        for action in _add_arguments(OneLineParser(), solver)
     }
 
 
@@ -337,13 +339,15 @@ def names_file(name, value):
     )
 
 
-def words_of(options):
-    """The command line, a list of words, of a dictionary of options as `settings_of` takes it.
+def words_of(options, *solvers):
+    """The command line, a list of words, of a dictionary of options as `settings_of` takes it, of
+    these solvers, all of them without one.  Raises InputError of an option that there is not, or
+    whose value has another number of words.
 
     >>> words_of({"harmonic": [0.2, 0.05], "rest": 1.0, "sequence": (1, 0.5), "new-contacts": True})
     ['--harmonic', '0.2', '0.05', '--rest', '1.0', '--sequence', '1,0.5', '--new-contacts']
     """
-    actions = options_of_a_run()
+    actions = options_of_a_run(*solvers)
     return [
         word
         for name, value in options.items()
@@ -358,13 +362,23 @@ def _words(action, name, value):
     if value is None:
         return []
     if action.nargs == 0:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
         return [option] if value is action.const else []
-    if isinstance(action, argparse._AppendAction):
-        return [word for one in _rows(action, name, value) for word in (option, *map(str, one))]
-    words = [
-        repr(float(one)) if isinstance(one, np.floating) else str(one) for one in _listed(value)
-    ]
+    if isinstance(action, Rows):
+        return [word for row in _rows(action, name, value) for word in (option, *map(str, row))]
+    words = [_word(action, one) for one in _listed(value)]
+    if isinstance(action.nargs, int) and len(words) != action.nargs:
+        raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}; correct it")
     return [option, *words] if action.nargs else [option, ",".join(words)]
+
+
+def _word(action, value):
+    """The word of one value; a number that is whole is one for an option of whole numbers."""
+    is_whole = isinstance(value, float) and value.is_integer()
+    if is_whole and getattr(action.type, "__name__", "") == "int":
+        return str(int(value))
+    return repr(float(value)) if isinstance(value, np.floating) else str(value)
 
 
 def _listed(value):
@@ -380,39 +394,6 @@ def _rows(action, name, value):
             f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these;"
             " correct it"
         ) from None
-
-
-def _value_of(parser, action, name, value):
-    """The value of an option, checked and converted as that of a command line is."""
-    if action.nargs == 0:
-        if not isinstance(value, bool):
-            raise InputError(f"{name} = {value!r}: expected True or False; give one of them")
-        return value if value is action.const else action.default
-    if isinstance(action, argparse._AppendAction):
-        return [
-            [_converted(parser, action, one) for one in row] for row in _rows(action, name, value)
-        ]
-    values = _listed(value)
-    if isinstance(action.nargs, int):
-        if len(values) != action.nargs:
-            parser.error(f"argument {action.option_strings[0]}: expected {action.nargs} arguments")
-        return [_converted(parser, action, one) for one in values]
-    return _converted(parser, action, value)
-
-
-def _converted(parser, action, value):
-    """One value of an option by its type and choices."""
-    try:
-        found = parser._get_value(action, value)
-        parser._check_value(action, found)
-    except argparse.ArgumentError as error:
-        parser.error(str(error))
-    is_cut = isinstance(found, int) and not isinstance(value, str) and found != value
-    if is_cut or isinstance(value, bool):
-        parser.error(
-            f"argument {action.option_strings[0]}: invalid {action.type.__name__} value: {value!r}"
-        )
-    return found
 
 
 def _settings_of(given, command):

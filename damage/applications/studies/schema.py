@@ -7,10 +7,8 @@ together; whether files are there and values make sense is for `load_study` to s
 command calls.
 """
 
-import argparse
-
 from damage.applications.studies import definition
-from damage.arguments import file_path
+from damage.arguments import Rows, file_path
 from damage.run.options import options_of_a_run
 from damage.toml_file import DRAFT
 
@@ -146,7 +144,7 @@ def _option(action):
     if action.nargs == 0:
         return {"type": "boolean"}
     one = _word(action)
-    if isinstance(action, argparse._AppendAction):  # one row of numbers, or a list of rows
+    if isinstance(action, Rows):  # one row of numbers, or a list of rows
         row = {"type": "array", "items": one}
         return {"type": "array", "items": {"anyOf": [one, row]}, "minItems": 1}
     if isinstance(action.nargs, int):
