@@ -455,10 +455,10 @@ FAULTS = [
             ),
             (
                 "motion",
-                "the vertical record starts with its own first sample",
+                "another component starts with its own first sample",
                 "damage/motion/record.py",
-                "early_s = max(early_s, 0.0)",
-                "early_s = 0.0",
+                "first, size = round(late_s / step_s), ",
+                "first, size = 0, ",
                 "test_records",
             ),
             (
