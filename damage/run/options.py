@@ -121,8 +121,8 @@ def _model_arguments(solver):
                 default="adaptive",
                 choices=RELAXATIONS,
                 help=(
-                    "damping of the static stage and of a pushed "
-                    "top: adaptive (default), or local as in YADE"
+                    "damping of the static stage: adaptive (default), or local as in YADE, "
+                    "which a pushed top has then, too"
                 ),
             ),
             *_settings("settling", "mass_scaling"),

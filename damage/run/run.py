@@ -463,7 +463,7 @@ class Run:
         elif drive.quasi_static and self.settings.relaxation == "local":
             is_adaptive, local = False, drive.local_damping
         elif drive.quasi_static:
-            return {"alpha": 4 * math.pi / self._period_s, "mean_1_s": 1 / self._period_s}
+            return {"alpha": 4 * math.pi / self._period_s, "mean_1_s": 2 / self._period_s}
         elif stage == "settling":
             is_adaptive = self.settings.settles == "adaptive"
         else:

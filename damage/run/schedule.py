@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
+from damage.law.modes import natural_modes
 from damage.motion.samples import at_times
 from damage.rounded import ACCELERATION, to_grid
 from damage.run.settings import (
     LOCAL_DAMPING,
     LONGEST_S,
+    PUSH_PERIODS,
     MOST_STATES,
     MOST_STEPS,
     NONE,
@@ -155,7 +157,10 @@ def stages(settings, layout, time_step, sample_steps):
         found = [Stage(1, "settlement", 0, start)]
     if settings.loading.drive.quasi_static:
         height = layout.height_of_push(settings.loading.drive.floor_shares)
-        n = math.ceil(settings.loading.length_s(height) / (sample_steps * time_step))
+        # in the end what damping and the drift are behind fades
+        rest_s = PUSH_PERIODS * float(natural_modes(layout).period_s[0])
+        length_s = settings.loading.length_s(height) + rest_s
+        n = math.ceil(length_s / (sample_steps * time_step))
         return [*found, Stage(1, "motion", start, start + n * sample_steps)]
     if not settings.loading.moves:
         return found

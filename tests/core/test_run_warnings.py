@@ -64,8 +64,8 @@ def test_python_warns_of_an_energy_balance_error_where_it_was_called(tmp_path):
 
 
 def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
-    """Nothing was said. Its damping added 3.8 % of the largest force at the default speed, 1.2 % at
-    1 mm/s; the work of the whole push was 10 % more."""
+    """The whole push takes one period of the strip at the default speed: it accelerates all the
+    time, which damping resists."""
 
     def pushed(speed):
         out = tmp_path / f"{speed:g}.h5"
@@ -73,16 +73,15 @@ def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
             LIGHT_STRIP, pushover=0.02, speed=speed, contacts="gauss", cells=8, out=out
         )
 
-    with pytest.warns(RunWarning, match="3.8 % of the largest force.*--speed 0.002"):
+    with pytest.warns(RunWarning, match="20 % of the largest force.*--speed 0.0004"):
         fast = pushed(0.005)
-    slow = pushed(0.001)
-    assert [push_drag(one) for one in (fast, slow)] == pytest.approx([0.0376, 0.0123], rel=0.02)
+    slow = pushed(0.0004)
     assert "push_drag" in codes_of(fast)
-    assert not {"push_drag"} & {*codes_of(slow), *codes_of(pushed(0.002))}
+    assert push_drag(slow) < 0.02 and "push_drag" not in codes_of(slow)
     # the same way of the top took as much more work as was damped
     end_fast, end_slow = (one.series.iloc[-1] for one in (fast, slow))
     more_j = end_fast["input_energy_j"] - end_slow["input_energy_j"]
-    assert more_j > 0.09 * end_slow["input_energy_j"]
+    assert more_j > 0.2 * end_slow["input_energy_j"]
     assert end_fast["damping_energy_j"] - end_slow["damping_energy_j"] == pytest.approx(
         more_j, rel=0.02
     )
