@@ -369,7 +369,10 @@ def _words(action, name, value):
         return [word for row in _rows(action, name, value) for word in (option, *map(str, row))]
     words = [_word(action, one) for one in _listed(value)]
     if isinstance(action.nargs, int) and len(words) != action.nargs:
-        raise InputError(f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}; correct it")
+        raise InputError(
+            f"{name} = {value!r:.80}: expected {action.nargs} arguments, {' '.join(action.metavar)};"
+            " correct it"
+        )
     return [option, *words] if action.nargs else [option, ",".join(words)]
 
 

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from damage.errors import InputError
-from damage.law.modes import natural_modes
+from damage.linear.modes import natural_modes
 from damage.motion.samples import at_times
 from damage.rounded import ACCELERATION, to_grid
 from damage.run.settings import (
     LOCAL_DAMPING,
     LONGEST_S,
-    PUSH_PERIODS,
     MOST_STATES,
     MOST_STEPS,
     NONE,
+    PUSH_PERIODS,
     SAMPLE_S,
     SELECTIVE,
     SETTLE_S,
