@@ -152,12 +152,6 @@ def test_an_upward_import_is_found_in_every_room(room):
     assert any(line.startswith(f"{module} imports {above}") for line in found)
 
 
-def test_a_circle_within_a_room_is_found():
-    here, there = "damage.wall.layout", "damage.wall.parameters"
-    assert there in MODULES[here]
-    assert any("circle" in line for line in faults({**MODULES, there: MODULES[there] | {here}}))
-
-
 @pytest.mark.parametrize(
     "line",
     [

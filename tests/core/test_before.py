@@ -8,27 +8,25 @@ import numpy as np
 import pytest
 from conftest import parsed, refused_with, written
 from numpy.testing import assert_array_equal
-from short_runs import SMALL
+from short_runs import SMALL, SOFT
 
-import damage
-from damage import Joint, Opening, Wall, read_history
+from damage import Opening, Wall, read_history, run
 from damage.applications.cracks.options import Surveyed
 from damage.measure.summary import summarise
 from damage.run.initial_state import without_bond
 from damage.wall.layout import lay_out
 
 SHAKE = {"harmonic": (0.06, 0.6), "rest": 0.1}
-SOFT = Joint(mode_i_fracture_energy=12.4, mode_ii_fracture_energy=124.0)
 
 
 def halves(folder, wall, **options):
     """Histories of one run of two events, and of a run of the second from the end of the first."""
     shake = SHAKE | options
-    whole = damage.run(wall, sequence=(1, 0.6), out=folder / "whole.h5", **shake)
-    damage.run(wall, out=folder / "first.h5", **shake)
+    whole = run(wall, sequence=(1, 0.6), out=folder / "whole.h5", **shake)
+    run(wall, out=folder / "first.h5", **shake)
     if shake.pop("settle", None):  # once
         shake |= {"distortion": None, "supports": "bricks"}
-    second = damage.run(
+    second = run(
         wall,
         sequence=(0.6,),
         out=folder / "second.h5",
@@ -43,18 +41,16 @@ def halves(folder, wall, **options):
     [
         (SMALL, {}),
         (SMALL, {"settle": "hogging", "distortion": 1 / 500}),
-        (
-            Wall(
-                "soft", 1.125, 0.6, [Opening(0.3375, 0.45, 0.3, 0.15)], joint=SOFT, lintel="courses"
-            ),
-            {"mass_scaling": "none"},
-        ),  # else each half is accepted, or repeated, by itself
+        # else each half is accepted, or repeated, by itself
+        (SOFT, {"mass_scaling": "none"}),
+        (SOFT, {"mass_scaling": "selective", "harmonic": (0.06, 0.25), "cycles": 2}),
     ],
-    ids=["brittle", "settled", "soft"],
+    ids=["brittle", "settled", "soft", "scaled"],
 )
 def test_a_run_that_continues_is_the_second_half_bit_for_bit(tmp_path, wall, options):
     whole, second = halves(tmp_path, wall, **({"rest": 0.05} | options))
     n = len(second.series)
+    assert whole.parameters["repeats"] == second.parameters["repeats"] == 0
     assert n > 50 and whole.series["shock"].iloc[-n + 1] == 2
     for name in second.series.columns.drop(["time_s", "shock", "stage"]):
         # The first sample is the last one of the first half.
@@ -78,20 +74,18 @@ def test_a_history_of_another_wall_is_one_line(run_of):
     """Other strengths of the joints: `test_checkpoint.py`."""
     words = {**SHAKE, "continue": run_of("shaken").path}
     other = Wall("other", 1.125, 0.6, [Opening(0.3375, 0.45, 0.225, 0.15)], lintel="courses")
-    refused_with("the history of another wall, small: joints/", damage.run, other, **words)
+    refused_with("the history of another wall, small: joints/", run, other, **words)
     slippery = replace(SMALL, joint=replace(SMALL.joint, friction_angle=0.3))
-    refused_with("another wall, small: joint differs", damage.run, slippery, **words)
+    refused_with("another wall, small: joint differs", run, slippery, **words)
 
 
 def test_a_history_without_a_state_is_one_line(tmp_path):
     first = tmp_path / "first.h5"
-    damage.run(SMALL, **SHAKE, out=first, new_contacts=True)
+    run(SMALL, **SHAKE, out=first, new_contacts=True)
     assert read_history(first).complete
     with h5py.File(first) as file:
         assert len(file["state/solver"]) == 0
-    refused_with(
-        "it holds no state of its solver", damage.run, SMALL, **SHAKE, **{"continue": first}
-    )
+    refused_with("it holds no state of its solver", run, SMALL, **SHAKE, **{"continue": first})
 
 
 # --- surveyed cracks ------------------------------------------------------------------------------
@@ -167,7 +161,7 @@ def test_the_tolerance_of_a_survey(tmp_path):
 def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     """Neither under gravity nor later; others still count."""
     path = written(tmp_path / "cracks.csv", DIAGONALS)
-    history = damage.run(SMALL, cracked=path, **SHAKE)
+    history = run(SMALL, cracked=path, **SHAKE)
     summary = summarise(history)
     freed = (
         (history.joints["tensile_strength_pa"] == 0) & (history.joints["cohesion_pa"] == 0)

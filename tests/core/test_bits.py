@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY
 
-import damage
-from damage import ModelOptions, load_wall
+from damage import ModelOptions, load_wall, run
 from damage.mechanics.build import build
 from damage.motion.loading import Harmonic, Recorded
 from damage.motion.record import Record
@@ -178,7 +177,7 @@ def test_histories_follow_what_is_visible_alone():
             **softening_energies(SMALL.joint.tensile_strength),
         )
         return bits.digests_of(
-            [damage.run(replace(SMALL, joint=joint), Harmonic(0.06, 0.6 * amplitude), rest=0.1)]
+            [run(replace(SMALL, joint=joint), Harmonic(0.06, 0.6 * amplitude), rest=0.1)]
         )
 
     plain = of()

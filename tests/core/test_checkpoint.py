@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 from itertools import groupby
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from damage.run.checkpoint import checkpoint_path, read_checkpoint
 from damage.run.initial_state import read_earlier
 from damage.wall.layout import lay_out
 
-SMALL = "walls/variants/small.py"
+SMALL, SOFTENS = (REPOSITORY / f"walls/variants/{name}.py" for name in ("small", "small_softening"))
 OFTEN = "--checkpoint 0.001"
 TOP_SHARE = (SMALL, "--pushover 0.02 --floor-share 0.6 1 --no-pictures")
 SHAKE = (SMALL, "--harmonic 0.06 0.6 --rest 0.1 --no-pictures --quiet")
@@ -58,7 +59,7 @@ def words_of(words, folder):
     if first in WALLS:
         write = wall_file if first.endswith(".py") else written
         return [write(folder / first, WALLS[first]), *more]
-    return words if first.startswith("walls/") else (*SHAKE, *words)
+    return words if isinstance(first, Path) else (*SHAKE, *words)
 
 
 def in_a_child(words, looks=None, name=signal.SIGKILL):
@@ -90,7 +91,6 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
 @pytest.mark.parametrize("name", RUNS)
 def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
     """A run is killed in the static stage, and interrupted in the middle of each stage."""
-    monkeypatch.chdir(REPOSITORY)
     words, whole, cut = words_of(RUNS[name], tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
     stages, continues = [], run_module.Run._continues
     with monkeypatch.context() as patch:  # here: the children find all compiled
@@ -119,12 +119,7 @@ def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
 def interrupted(tmp_path_factory):
     """A folder with a run that was interrupted, cut.h5."""
     folder = tmp_path_factory.mktemp("interrupted")
-    before = os.getcwd()
-    os.chdir(REPOSITORY)
-    try:
-        assert in_a_child([*SHAKE, "--out", folder / "cut.h5"], looks=6, name=signal.SIGINT) == 130
-    finally:
-        os.chdir(before)
+    assert in_a_child([*SHAKE, "--out", folder / "cut.h5"], looks=6, name=signal.SIGINT) == 130
     return folder
 
 
@@ -155,10 +150,7 @@ def refused(folder, words, capsys):
         ),
     ],
 )
-def test_another_run_than_that_of_the_checkpoint_is_one_line(
-    interrupted, words, said, monkeypatch, capsys
-):
-    monkeypatch.chdir(REPOSITORY)
+def test_another_run_than_that_of_the_checkpoint_is_one_line(interrupted, words, said, capsys):
     assert said in refused(interrupted, [*words, "--resume", interrupted / "cut.h5"], capsys)
 
 
@@ -172,8 +164,7 @@ def test_a_run_of_the_other_solver_is_one_line(interrupted):
     )
 
 
-def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(REPOSITORY)
+def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, capsys):
     shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
     path, cut = tmp_path / "cut.checkpoint", tmp_path / "cut.h5"
     content, resume = path.read_bytes(), [*SHAKE, "--resume", cut]
@@ -186,8 +177,7 @@ def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, monkeypatch, ca
     assert "the checkpoint beside it is of another run" in refused(tmp_path, resume, capsys)
 
 
-def test_a_complete_run_is_not_resumed(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(REPOSITORY)
+def test_a_complete_run_is_not_resumed(tmp_path, capsys):
     assert in_a_child([*SHAKE, "--rest 0 --out", tmp_path / "done.h5"]) == 0
     line = refused(tmp_path, [*SHAKE, "--rest 0 --resume", tmp_path / "done.h5"], capsys)
     assert "its run is complete" in line and "--continue" in line
@@ -237,7 +227,7 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(tmp_path, yade_command):
         ((SMALL, "--pushover 0.02 --top-rotation 2e4 --no-pictures"), 0.02, 0),
         (TOP_SHARE, 0.02, 0),
         ((*SPLITS, "--no-pictures"), 0.03, 1),
-        (("walls/variants/small_softening.py", SHOCK), 0.09, 11),
+        ((SOFTENS, SHOCK), 0.09, 11),
     ],
     ids=["held top", "spreader beam", "bricks that split", "bonds that soften"],
 )

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import refused_with
+from pytest import approx
 from small_history import make_history, small_layout
 
 from damage.index import THRESHOLD
@@ -26,10 +27,10 @@ def along_x(start, length, z=0.0):
 
 
 def test_psi_of_one_visible_crack_is_one_and_grows_as_korswagen_says():
-    assert psi_value(1, 0.1e-3) == pytest.approx(2 * 0.1**0.3)
-    assert psi_value(1, 1e-3) == pytest.approx(2)
-    assert psi_value(1, 5e-3) == pytest.approx(3.24, abs=0.01)
-    assert psi_value(3, 1e-3) == pytest.approx(2 * 3**0.15)
+    assert psi_value(1, 0.1e-3) == approx(2 * 0.1**0.3)
+    assert psi_value(1, 1e-3) == approx(2)
+    assert psi_value(1, 5e-3) == approx(3.24, abs=0.01)
+    assert psi_value(3, 1e-3) == approx(2 * 3**0.15)
     assert psi_value(0, 0.0) == 0
 
 
@@ -38,9 +39,9 @@ def test_width_is_weighted_by_width_and_length():
     ends = np.array([along_x(0, 0.1), along_x(0.1, 0.2), along_x(0.5, 0.1)])
     table = crack_table(ends, [1e-3, 1.8e-3, 0.0], [0.0, -2.4e-3, 0.05e-3])
     c_w = (1 * 0.1 + 9 * 0.2) / (1 * 0.1 + 3 * 0.2)
-    assert psi(table) == pytest.approx(2 * c_w**0.3)
+    assert psi(table) == approx(2 * c_w**0.3)
     assert (len(table), table["crack"].nunique()) == (2, 1)
-    assert mean_width(table["width_m"], table["length_m"]) == pytest.approx(c_w * MILLIMETRE)
+    assert mean_width(table["width_m"], table["length_m"]) == approx(c_w * MILLIMETRE)
 
 
 @pytest.mark.parametrize("gap, cracks", [(0.0, 1), (0.9 * JOINING_GAP, 1), (1.1 * JOINING_GAP, 2)])
@@ -54,7 +55,7 @@ def test_cracks_closer_than_ten_millimetres_are_one(gap, cracks, direction):
     first = np.array(along_x(0.0, 0.1))
     table = crack_table(np.stack([first, first + shift]), [1e-3, 1e-3], [0.0, 0.0])
     assert table["crack"].nunique() == cracks
-    assert psi(table) == pytest.approx(2 * cracks**0.15)
+    assert psi(table) == approx(2 * cracks**0.15)
 
 
 def test_a_stepped_crack_is_one_and_an_intact_joint_parts_it(tmp_path):
@@ -75,12 +76,12 @@ def test_a_stepped_crack_is_one_and_an_intact_joint_parts_it(tmp_path):
     interrupted = make_history(
         tmp_path / "interrupted.h5", layout, opening=dict.fromkeys(beside, 1e-3)
     )
-    assert cracks_at(step, -1).groupby("crack")["length_m"].sum().tolist() == pytest.approx(
+    assert cracks_at(step, -1).groupby("crack")["length_m"].sum().tolist() == approx(
         [0.075 + 2 * 0.05625]
     )
     assert sorted(cracks_at(step, 3)["joint"]) == sorted([head, *beside])
     assert cracks_at(interrupted, -1)["crack"].tolist() == [1, 2]
-    assert psi(cracks_at(interrupted, -1)) == pytest.approx(2 * 2**0.15)
+    assert psi(cracks_at(interrupted, -1)) == approx(2 * 2**0.15)
 
 
 def test_psi_over_time_is_that_of_each_sample(tmp_path):
@@ -97,11 +98,9 @@ def test_psi_over_time_is_that_of_each_sample(tmp_path):
     )
     over_time = psi_history(history, THRESHOLD)
     tables = [cracks_at(history, k) for k in range(21)]
-    assert over_time["psi"].to_numpy() == pytest.approx([psi(table) for table in tables])
+    assert over_time["psi"].to_numpy() == approx([psi(table) for table in tables])
     assert over_time["cracks"].tolist() == [table["crack"].nunique() for table in tables]
-    assert over_time["crack_length_m"].to_numpy() == pytest.approx(
-        [t["length_m"].sum() for t in tables]
-    )
+    assert over_time["crack_length_m"].to_numpy() == approx([t["length_m"].sum() for t in tables])
     summary = psi_summary(history, THRESHOLD)
     assert (
         summary["max_psi"]
@@ -109,9 +108,7 @@ def test_psi_over_time_is_that_of_each_sample(tmp_path):
         > over_time["psi"].iloc[-1]
         == summary["residual_psi"]
     )
-    assert summary["max_crack_width_mm"] == pytest.approx(
-        max(t["width_m"].max() for t in tables) * 1e3
-    )
+    assert summary["max_crack_width_mm"] == approx(max(t["width_m"].max() for t in tables) * 1e3)
 
 
 def test_the_threshold_itself_is_cracked_and_a_closed_crack_is_none(tmp_path):
@@ -121,7 +118,7 @@ def test_the_threshold_itself_is_cracked_and_a_closed_crack_is_none(tmp_path):
         opening = np.where(np.arange(21) < 10, least, 0.0)
         history = make_history(tmp_path / "visible.h5", opening={7: opening}, overwrite=True)
         summary = psi_summary(history, least)
-        assert summary["max_psi"] == pytest.approx(2 * (least * 1e3) ** 0.3)
+        assert summary["max_psi"] == approx(2 * (least * 1e3) ** 0.3)
         assert (summary["residual_psi"], summary["residual_crack_width_mm"]) == (0, 0)
     assert len(cracks_at(history, -1)) == 0 == psi(cracks_at(history, -1))
 

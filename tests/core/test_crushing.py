@@ -1,108 +1,30 @@
-"""Joints that crush, and bricks that split: the law by hand, layouts, histories, and both solvers
-on one wall."""
+"""Joints that crush or soften, and bricks that split: layouts, histories, both solvers on one
+joint, walls with known results; the law: `test_joint_law.py`."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import one_line_error
+from conftest import REPOSITORY, one_line_error, parsed
 from numpy.testing import assert_allclose
 from pytest import approx
 from short_runs import solver_of
 from small_history import make_history
 
-from damage.law.joint_law import (
-    ContactState,
-    LawParameters,
-    Material,
-    advance,
-    diagonal_tension,
-    elastic_energy,
-    range_left,
-)
+import damage
+from damage import Brick, Joint, ModelOptions, Opening, Wall, load_wall
+from damage.law.joint_law import diagonal_tension
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
+from damage.run.settings import SOFTENING_BETA_S
 from damage.wall.file import wall_from
 from damage.wall.kinds import CAP, CUT
 from damage.wall.layout import lay_out
-from damage.wall.parameters import Brick, Joint, Opening, Wall, crushing_energy
+from damage.wall.parameters import crushing_energy, softening_energies
 from damage.wall.split import CUT_POINTS
 from verification import crushing, softening
 
-KN, KS, FT, C, MU, FC = 6e10, 2.4e10, 0.2e6, 0.24e6, 0.6, 3e6
-LAW = LawParameters(KN, KS, FT, C, Material(MU), compressive_strength=FC)
-SOFT = LAW._replace(mode_i_energy=10.0, mode_ii_energy=100.0)
-DEEP = FC / KN
-"""Opening [m] at which LAW crushes, without its sign."""
-G_C = 600.0
-TOES = LAW._replace(crushing_energy=G_C)
-"""LAW whose crushing softens; its bond softens, too: SOFT_TOES."""
-SOFT_TOES = SOFT._replace(crushing_energy=G_C)
 SPLITTING = Brick(tensile_strength=1e6)
-
-
-def follow(openings, state=None, law=LAW):
-    states = [state or ContactState()]
-    for opening in openings:
-        states.append(advance(opening, 0.0, states[-1], law)[0])
-    return states[1:]
-
-
-class TestLaw:
-    @pytest.mark.parametrize("law", [LAW, SOFT])
-    def test_stress_stays_at_the_strength_and_unloads_with_the_stiffness(self, law):
-        pressed, less, again = follow([-3 * DEEP, -2.5 * DEEP, -3.5 * DEEP], law=law)
-        assert pressed.normal_stress == approx(-FC) and pressed.closure == approx(2 * DEEP)
-        assert less.normal_stress == approx(-FC / 2) and less.closure == pressed.closure
-        assert again.normal_stress == approx(-FC) and again.closure == approx(2.5 * DEEP)
-
-    def test_a_step_across_the_strength_dissipates_the_trapezium_of_its_stresses(self):
-        """From zero to f_c while the joint closes by 2 DEEP: f_c DEEP is put in, of which half is
-        stored."""
-        (state,) = follow([-2 * DEEP])
-        assert elastic_energy(state.normal_stress, 0.0, KN, KS) == approx(0.5 * FC * DEEP)
-        assert state.fracture_work == approx(0.5 * FC * DEEP)
-
-    def test_a_whole_bond_holds_across_the_closure(self):
-        *_, pulled, gone = follow(
-            [-3 * DEEP, -2 * DEEP + 0.99 * FT / KN, -2 * DEEP + 1.01 * FT / KN]
-        )
-        assert pulled.normal_stress == approx(0.99 * FT) and not pulled.broken
-        assert gone.broken and gone.normal_stress == 0.0
-
-    def test_friction_is_that_of_the_strength(self):
-        state = ContactState(broken=True)
-        for _ in range(3):
-            state, _ = advance(-5 * DEEP, 2 * FC / KS, state, LAW)
-        assert state.shear_stress == approx(MU * FC)
-
-    def test_below_the_strength_nothing_differs_to_the_last_bit(self):
-        path = np.random.default_rng(1).uniform(-0.99 * DEEP, 2 * FT / KN, 200)
-        assert follow(path) == follow(path, law=LAW._replace(compressive_strength=math.inf))
-
-
-class TestSofteningCrushing:
-    @pytest.mark.parametrize("steps", [1, 7, 500])
-    def test_stress_follows_the_exponential_of_the_closure(self, steps):
-        """(C3), in steps of any size: where it is pressed to decides, not how."""
-        pressed = follow(-np.linspace(0, 10 * DEEP, steps + 1)[1:], law=TOES)[-1]
-        assert pressed.normal_stress == approx(
-            -FC * math.exp(-FC * pressed.closure / G_C), rel=1e-12
-        )
-        assert pressed.closure == approx(10 * DEEP + pressed.normal_stress / KN, rel=1e-12)
-
-    def test_it_unloads_with_its_stiffness_and_crushes_again_at_what_is_left(self):
-        pressed, less, again = follow([-5 * DEEP, -4.9 * DEEP, -5 * DEEP], law=TOES)
-        assert less.normal_stress - pressed.normal_stress == approx(0.1 * FC)
-        assert again.normal_stress == approx(pressed.normal_stress) and again.closure == approx(
-            pressed.closure
-        )
-        left = range_left(pressed, TOES).compressive_strength
-        assert (
-            left == approx(-pressed.normal_stress, rel=1e-12)
-            and range_left(ContactState(), TOES)[-1] == FC
-        )
 
 
 @pytest.mark.yade
@@ -238,3 +160,72 @@ class TestHistory:
             float(history.attributes["total_joint_length_m"])
         )
         assert summary_row(history)["split_length_m"] == approx(SPLITTING.height)
+
+
+# --- joints that soften ---------------------------------------------------------------------------
+
+FIVE_FIFTY = {"mode_i_fracture_energy": 5.0, "mode_ii_fracture_energy": 50.0}
+SOFT = Joint(**FIVE_FIFTY)
+
+
+def test_a_softening_wall_gets_a_little_damping():
+    """And a smaller step: `test_run.py`."""
+    assert parsed().for_joint(SOFT).beta_s == SOFTENING_BETA_S
+    assert parsed().for_joint(Joint()).beta_s == 0.0
+    assert parsed("--beta 0").for_joint(SOFT).beta_s == 0.0
+
+
+def test_none_and_zero_are_brittle():
+    none = Joint(mode_i_fracture_energy=0.0, mode_ii_fracture_energy=0)
+    assert not Joint().softens and not none.softens
+    assert Joint(**softening_energies(0.2e6)).softens
+
+
+def test_it_is_another_draw_than_that_of_the_walls_own_scatter():
+    wall = Wall("w", 2.0, 1.5)
+    both = lay_out(
+        wall, ModelOptions(strength_cov=0.1, strength_seed=1), scatter=0.1, seed=1
+    ).contacts
+    own = lay_out(wall, ModelOptions(strength_cov=0.1, strength_seed=1)).contacts
+    drawn = np.log(both.cohesion[~own.elastic] / own.cohesion[~own.elastic])
+    assert abs(np.corrcoef(drawn, np.log(own.cohesion[~own.elastic]))[0, 1]) < 0.2
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("name", "energies", "least", "most", "words"),
+    [
+        ("squat_tested", FIVE_FIFTY, 70e3, 85e3, {"pushover": 0.07}),
+        ("comp2_4", FIVE_FIFTY, 119e3, 145e3, {"pushover": 0.06, "boundary": "fixed"}),
+        (
+            "comp2_4",
+            softening_energies(0.13125e6),
+            0.85 * 131.6e3,
+            1.15 * 131.6e3,
+            {"pushover": 0.1, "boundary": "fixed"},
+        ),
+        (
+            "squat_tested",
+            softening_energies(0.18375e6),
+            0.85 * 77.3e3,
+            1.15 * 77.3e3,
+            {"pushover": 0.1},
+        ),
+        (
+            "comp2_1",
+            FIVE_FIFTY,
+            0.97 * 59.0e3,
+            1.03 * 59.0e3,
+            {"pushover": 0.2, "boundary": "fixed"},
+        ),
+    ],
+    ids=str,
+)
+def test_tested_walls_peak_where_the_document_says(name, energies, least, most, words):
+    """Of walls that shear the tests' forces, of one that rocks the brittle wall's, pushed over
+    slowly; docs/validation/laboratory.md."""
+    wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
+    wall = replace(wall, joint=replace(wall.joint, **energies))
+    summary = summarise(damage.run(wall, **words, speed=2e-3))
+    assert summary["energy_error_fraction"] < 0.01
+    assert least < summary["peak_force_n"] < most

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from conftest import one_line_error, total_energy
 from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 from short_runs import solver_of
@@ -190,7 +191,7 @@ def test_strain_modes_converge_by_their_order():
         orders(p, [found[order][mode] / found[12][mode] - 1 for order in p]) for mode in range(2)
     )
     assert 4 < bending[0] < 5 and 7 < bending[1] < 11
-    assert 8 < stretching[0] < 9 and stretching[1] == pytest.approx(2 * stretching[0], rel=0.1)
+    assert 8 < stretching[0] < 9 and stretching[1] == approx(2 * stretching[0], rel=0.1)
     assert_allclose([found[3][0], found[3][1]], [found[2][0], found[4][1]], rtol=1e-6)
 
 
@@ -254,7 +255,7 @@ def test_a_bonded_cantilever_bends_as_timoshenkos_beam(factor, share):
     elements of nine nodes), and strain modes with stiff joints by 0.4 % more: half as much at twice
     the height."""
     found, bending, sheared = of_timoshenko(lay(2, 36, stiffer(factor)))
-    assert found / (bending + sheared) == pytest.approx(share, abs=1e-3)
+    assert found / (bending + sheared) == approx(share, abs=1e-3)
 
 
 def test_without_lateral_contraction_a_share_of_the_shear_deflection_is_lost():
@@ -266,7 +267,7 @@ def test_without_lateral_contraction_a_share_of_the_shear_deflection_is_lost():
             "w", 2 * LENGTH, courses * HEIGHT, precompression=0.0, joint=stiffer(1000), brick=brick
         )
         found, bending, sheared = of_timoshenko(lay_out(wall, ModelOptions(**DEFORMABLE)))
-        assert (bending + sheared - found) / sheared == pytest.approx(0.12, abs=0.015)
+        assert (bending + sheared - found) / sheared == approx(0.12, abs=0.015)
 
 
 # --- waves and periods --------------------------------------------------------------------------
@@ -282,7 +283,7 @@ def test_the_first_period_is_that_of_a_triangle_mesh():
         )
         for cells in (2, 4)
     )
-    assert natural_modes(by_modes, 1).period_s[0] == pytest.approx(
+    assert natural_modes(by_modes, 1).period_s[0] == approx(
         Mesh(by_mesh, 4).first_period(), rel=3e-3
     )
 

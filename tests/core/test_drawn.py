@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from pytest import approx
 from short_runs import HOUSE, SMALL
 
 from damage import Brick, Joint, Wall, run
@@ -28,10 +29,10 @@ def test_factors_have_the_moments_of_their_ranges_and_are_independent(knowledge)
     for name, one in zip(INPUTS, factors.T):
         if of[name].cov is None:
             assert of[name].low <= one.min() and one.max() <= of[name].high
-            assert np.median(one) == pytest.approx(math.sqrt(of[name].low * of[name].high), rel=0.1)
+            assert np.median(one) == approx(math.sqrt(of[name].low * of[name].high), rel=0.1)
         else:
-            assert one.mean() == pytest.approx(1, abs=4 * of[name].cov / 30)
-            assert one.std() == pytest.approx(of[name].cov, rel=0.1)
+            assert one.mean() == approx(1, abs=4 * of[name].cov / 30)
+            assert one.std() == approx(of[name].cov, rel=0.1)
     assert np.abs(np.corrcoef(factors.T) - np.eye(len(INPUTS))).max() < 0.13
 
 
@@ -53,7 +54,7 @@ def test_each_input_scales_its_values_alone():
     assert half["load"].precompression == wall.precompression / 2
     assert half["bond"].joint.cohesion == wall.joint.cohesion / 2
     assert half["bond"].joint.mode_i_fracture_energy == wall.joint.mode_i_fracture_energy / 2
-    assert math.tan(half["friction"].joint.friction_angle) == pytest.approx(
+    assert math.tan(half["friction"].joint.friction_angle) == approx(
         math.tan(wall.joint.friction_angle) / 2, rel=1e-7
     )
     assert half["bearing_play"].restraints[0].play == 1.5e-3
@@ -64,7 +65,7 @@ def test_each_input_scales_its_values_alone():
             name not in ("stiffness", "bond", "friction", INPUTS[3])
         )
     rough = drawn(wall, {"friction": Range(None, 2.0, 2.0)}, 1).joint
-    assert math.tan(rough.friction_angle) * rough.tensile_strength == pytest.approx(rough.cohesion)
+    assert math.tan(rough.friction_angle) * rough.tensile_strength == approx(rough.cohesion)
     assert drawn(HOUSE, ranges("typical"), 2).floors[0].mass != HOUSE.floors[0].mass
 
 
@@ -78,7 +79,7 @@ def test_the_period_follows_density_over_stiffness():
     )
     assert abs(stiffness - 1) > 0.05
     periods = [natural_modes(lay_out(one)).period_s[0] for one in (free, wall)]
-    assert periods[1] / periods[0] == pytest.approx(math.sqrt(density / stiffness), rel=1e-6)
+    assert periods[1] / periods[0] == approx(math.sqrt(density / stiffness), rel=1e-6)
 
 
 def test_a_run_has_the_wall_that_its_seed_draws():

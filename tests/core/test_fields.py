@@ -1,5 +1,5 @@
 """Fields that say their limits once: the check and its message, the schema of a wall, words in
-place of numbers."""
+place of numbers; names that were removed."""
 
 import math
 import re
@@ -9,15 +9,19 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest import one_line_error, refused_with
+from conftest import one_line_error, parsed, refused_with
 
-from damage import Brick, Joint, Lintel, ModelOptions, Opening, Wall
+from damage import Brick, Joint, Lintel, ModelOptions, Opening, Wall, run
 from damage.applications.groningen.exposure.lives import Choices
+from damage.checks import record_from
+from damage.errors import heard
 from damage.fields import check_fields, choice, implausible_fields, option_of, quantity
 from damage.house.house import Corner, Diaphragm, House, Placed
 from damage.house.ties import Ties
 from damage.motion.loading import FreeVibration, Harmonic, Recorded, TopDisplacement
 from damage.motion.record import Record
+from damage.retired import RETIRED, Retired
+from damage.run.options import SOLVERS, options_of_a_run
 from damage.run.settings import RunSettings
 from damage.wall.file import wall_schema
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
@@ -205,3 +209,39 @@ def test_every_field_is_held_to_its_limits(record, one):
     for value in beyond:
         said = refused_with(re.escape(f"{name} = "), replace, record, **{one.name: value})
         assert "expected" in said
+
+
+# --- names that were removed ----------------------------------------------------------------------
+
+
+def test_no_retired_name_is_an_option():
+    taken = {name.replace("_", "-") for name in options_of_a_run()}
+    assert not taken & set(RETIRED)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_on_a_command_line(solver):
+    said = r"--past-collapse; --past-collapse was removed in 0\.2; give"
+    refused_with(said, parsed, "--past-collapse", solver)
+
+
+def test_in_python():
+    said = "no option perturb: .*; --perturb was removed in 0.2; members"
+    refused_with(said, run, "walls/symmetric.py", perturb=1e-9)
+
+
+def test_in_a_file_of_an_older_version(monkeypatch):
+    @dataclass(frozen=True)
+    class Record:
+        kept: int = 1
+
+    monkeypatch.setitem(
+        RETIRED, "old-field", Retired("--old-field was removed in 9.9; give --kept", 4)
+    )
+    assert record_from(Record, {"kept": 2, "old_field": 4}) == Record(2)
+    with heard() as warnings:
+        assert record_from(Record, {"kept": 2, "old_field": 5}) == Record(2)
+    assert warnings == [
+        "made with old_field = 5 by an older version: --old-field was removed in 9.9; give --kept"
+    ]
+    refused_with("a later version wrote it", record_from, Record, {"other": 5})

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, one_line_error, parsed, refused_with, wall_file, written
 from numpy.testing import assert_allclose
+from pytest import approx
 
 from damage import Wall
 from damage.__main__ import main
@@ -195,7 +196,7 @@ def test_the_pulse_is_read_however_it_is_written(text, given, unit, tmp_path):
     given = dict(given)
     path = record_file(tmp_path, text, given.pop("encoding", "utf-8"))
     record = read_record(path, **given)
-    assert (pga_g(record), pgv_cm_s(record)) == pytest.approx((0.15, PULSE_PGV_CM_S), rel=1e-4)
+    assert (pga_g(record), pgv_cm_s(record)) == approx((0.15, PULSE_PGV_CM_S), rel=1e-4)
     assert record.unit.startswith(f"{unit} (") and record.time_step_s == STEP_S
     assert record.given == given and len(record.sha256) == 64
 
@@ -363,7 +364,7 @@ def test_a_record_that_ships_is_read_by_its_name(tmp_path, monkeypatch):
     assert record.start_utc == "2018-01-08T14:00:37.090000Z"
     # the data's description says "near 18.8 s"
     strong_s = record.time_s[np.abs(record.acceleration_m_s2).argmax()]
-    assert strong_s == pytest.approx(18.8, abs=0.1)
+    assert strong_s == approx(18.8, abs=0.1)
     written(tmp_path / "BGAR_HGE", "time_s,acc_g\n0,1\n0.01,2\n")
     assert read_record("BGAR_HGE").acceleration_m_s2.size == 2  # a file comes first
     assert one_line_error(read_record, "BGRA_HGE").endswith("; did you mean BGAR_HGE?")
@@ -390,7 +391,7 @@ def test_rounded_times_are_uniform_enough_and_a_decimal_step_stays_the_same_numb
     text = rows(np.arange(301) / 150, np.arange(301), "{:.4f},{}\n")
     # the last time is exact here, so only the sum of the twelve kept digits is left
     record = read_record(record_file(tmp_path, text), unit="g")
-    assert record.time_step_s == pytest.approx(1 / 150, rel=1e-11)
+    assert record.time_step_s == approx(1 / 150, rel=1e-11)
     text = rows(np.arange(30) / 100, np.zeros(30), "{:.2f},{}\n")
     # 0.29 / 29 is another double than 0.01
     assert read_record(record_file(tmp_path, text), unit="g").time_step_s == 0.01
@@ -767,7 +768,7 @@ class TestOtherFormats:
         monkeypatch.chdir(tmp_path)
         exec(f"import numpy, obspy\n{recipe}", {})
         record = read_record("record.csv")
-        assert (pga_g(record), pgv_cm_s(record)) == pytest.approx((0.15, PULSE_PGV_CM_S), rel=2e-3)
+        assert (pga_g(record), pgv_cm_s(record)) == approx((0.15, PULSE_PGV_CM_S), rel=2e-3)
 
     @pytest.mark.parametrize(
         "begins, name",

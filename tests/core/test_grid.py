@@ -16,7 +16,7 @@ from conftest import total_energy
 from numpy.testing import assert_allclose
 from short_runs import solver_of
 from test_deformable import orders
-from test_soil import periods
+from test_settlement import periods
 from test_widths import everything
 
 from damage import Brick, Floor, Joint, Lintel, ModelOptions, Opening, Wall

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
+from pytest import approx
 from scipy import integrate, signal
 
 from damage import InputError
@@ -88,8 +89,8 @@ def test_the_synthetic_record_has_the_published_peaks_and_spectrum():
     record = read_record(shipped_record_path("MID1_N_synthetic"))
     periods_s = [0.06, 0.10, 0.12, 0.15, 0.20, 0.25, 0.33, 0.5, 1.0]
     published_g = [0.199, 0.280, 0.319, 0.290, 0.165, 0.123, 0.094, 0.072, 0.014]
-    assert pga_g(record) * GRAVITY == pytest.approx(0.85, rel=0.03)
-    assert pgv_m_s(record) == pytest.approx(0.0345, rel=0.1)
+    assert pga_g(record) * GRAVITY == approx(0.85, rel=0.03)
+    assert pgv_m_s(record) == approx(0.0345, rel=0.1)
     assert_allclose(response_spectrum(record, periods_s), published_g, rtol=0.05)
 
 
@@ -121,9 +122,9 @@ class TestZeerijpRecords:
                 summed = (
                     100 * np.abs(np.cumsum(filtered.acceleration_m_s2)).max() * record.time_step_s
                 )
-                assert summed == pytest.approx(expected, abs=half_digit)
+                assert summed == approx(expected, abs=half_digit)
                 half_digit += 0.01 * summed
-            assert found[key] == pytest.approx(expected, abs=half_digit), key
+            assert found[key] == approx(expected, abs=half_digit), key
 
     def test_spectrum(self):
         found = summary(read_record(shipped_record_path()))["sa_g"]
@@ -162,10 +163,10 @@ class TestLargestOfAllDirections:
         ]
         turned = [self.rotated(pair, degrees) for degrees in range(180)]
         found = rotd100(*pair)
-        assert found["pga_rotd100_g"] == pytest.approx(max(map(pga_g, turned)), rel=1e-4)
-        assert found["pgv_rotd100_cm_s"] == pytest.approx(max(map(pgv_cm_s, turned)), rel=2e-4)
+        assert found["pga_rotd100_g"] == approx(max(map(pga_g, turned)), rel=1e-4)
+        assert found["pgv_rotd100_cm_s"] == approx(max(map(pgv_cm_s, turned)), rel=2e-4)
         for period in SPECTRUM_PERIODS_S[2::3]:
-            assert found["sa_rotd100_g"][str(period)] == pytest.approx(
+            assert found["sa_rotd100_g"][str(period)] == approx(
                 max(response_spectrum(one, period)[0] for one in turned), rel=1e-3
             )
         table = pd.read_csv(DATA / "zeerijp_20180108" / "components.csv", comment="#").set_index(
@@ -173,7 +174,7 @@ class TestLargestOfAllDirections:
         )
         # the table's is of the whole record; BLOP steps before 17 s
         whole = 0.05 if station == "BLOP" else 0.01
-        assert 0.1 * table["pgv_rotd100_mm_s"][f"{station}_HGE"] == pytest.approx(
+        assert 0.1 * table["pgv_rotd100_mm_s"][f"{station}_HGE"] == approx(
             found["pgv_rotd100_cm_s"], rel=whole
         )
 
@@ -188,7 +189,7 @@ class TestLargestOfAllDirections:
         )
         assert applied_measures(loading.applied(), 0.2)["pgv_rotd100_m_s"] is None
         of_both = pgv_rotd100_m_s(*(windowed(one, 17, 27) for one in (east, loading.across)))
-        assert found["pgv_rotd100_m_s"] == pytest.approx(2 * of_both, rel=1e-9)
+        assert found["pgv_rotd100_m_s"] == approx(2 * of_both, rel=1e-9)
         again = loading_from_dict(loading.as_dict())
         assert again.across["record"] == north.name
         assert (
@@ -224,7 +225,7 @@ class TestMotionSummary:
         applied = applied_measures(
             Recorded(read_record(shipped_record_path("BGAR_HGE")), **CUT).applied(), None
         )
-        assert found["pgv_cm_s"] == 100 * applied["pgv_m_s"] == pytest.approx(10.05, abs=0.005)
+        assert found["pgv_cm_s"] == 100 * applied["pgv_m_s"] == approx(10.05, abs=0.005)
         assert [found[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")] == [
             applied[name] for name in ("avg_sa_g", "arias_m_s", "d5_75_s", "d5_95_s")
         ]
@@ -346,31 +347,29 @@ class TestAppliedMotion:
         time_s[-1] -= 1e-9  # the base stops after the last sample
         acceleration = loading.base_acceleration(time_s)[:, 0]
         velocity = integrate.cumulative_trapezoid(acceleration, time_s, initial=0)
-        assert found["pgv_m_s"] == pytest.approx(np.abs(velocity).max(), rel=1e-5)
+        assert found["pgv_m_s"] == approx(np.abs(velocity).max(), rel=1e-5)
         expected = [simulated_sa_g(loading.applied(), period) for period in AVERAGE_PERIODS_S]
         # both look for the peak at 100 instants a period at least, and may pass it by
         # BETWEEN_INSTANTS
-        assert found["avg_sa_g"] == pytest.approx(
-            np.exp(np.mean(np.log(expected))), rel=BETWEEN_INSTANTS
-        )
-        assert found["sa_eigen_period_g"] == pytest.approx(
+        assert found["avg_sa_g"] == approx(np.exp(np.mean(np.log(expected))), rel=BETWEEN_INSTANTS)
+        assert found["sa_eigen_period_g"] == approx(
             simulated_sa_g(loading.applied(), self.EIGEN_S), rel=BETWEEN_INSTANTS
         )
         time_s, acceleration = loading.applied().time_s, loading.applied().acceleration_m_s2
         energy = np.concatenate(
             [[0], np.cumsum((acceleration[1:] ** 2 + acceleration[:-1] ** 2) / 2 * np.diff(time_s))]
         )
-        assert found["arias_m_s"] == pytest.approx(np.pi / 2 / GRAVITY * energy[-1], rel=1e-9)
+        assert found["arias_m_s"] == approx(np.pi / 2 / GRAVITY * energy[-1], rel=1e-9)
         for key, share in (("d5_75_s", 0.75), ("d5_95_s", 0.95)):
             begin, end = np.interp([0.05 * energy[-1], share * energy[-1]], energy, time_s)
-            assert found[key] == pytest.approx(end - begin, rel=1e-9)
+            assert found[key] == approx(end - begin, rel=1e-9)
 
     def test_a_harmonic_motion_by_closed_forms(self):
         found = applied_measures(Harmonic(0.2, 0.1, 3).applied(), None)
         a, omega = 0.1 * GRAVITY, 2 * np.pi / 0.2
         # straight lines between 400 samples a cycle: (pi / 400)^2 / 3 of an integral
-        assert found["pgv_m_s"] == pytest.approx(2 * a / omega, rel=3e-5)
-        assert found["arias_m_s"] == pytest.approx(np.pi / 2 / GRAVITY * a**2 / 2 * 0.6, rel=3e-5)
+        assert found["pgv_m_s"] == approx(2 * a / omega, rel=3e-5)
+        assert found["arias_m_s"] == approx(np.pi / 2 / GRAVITY * a**2 / 2 * 0.6, rel=3e-5)
         assert found["sa_eigen_period_g"] is None
 
     def test_a_slow_oscillator_peaks_in_the_rest_after_a_short_motion(self):
@@ -382,9 +381,7 @@ class TestAppliedMotion:
         expected = (
             2 * np.pi / period_s * 0.001 * math.exp(-z / math.sqrt(1 - z**2) * phase) / GRAVITY
         )
-        assert applied_measures(record, period_s)["sa_eigen_period_g"] == pytest.approx(
-            expected, rel=2e-3
-        )
+        assert applied_measures(record, period_s)["sa_eigen_period_g"] == approx(expected, rel=2e-3)
         assert response_spectrum(record, [period_s])[0] < 0.1 * expected
 
     def test_what_does_not_apply_is_none(self):

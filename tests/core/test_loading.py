@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
+from pytest import approx
 
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g
@@ -47,7 +48,7 @@ class TestHarmonic:
 
     def test_nothing_before_and_after(self):
         load = Harmonic(0.2, 0.05, cycles=2)
-        assert load.duration_s == pytest.approx(0.4, rel=1e-15)  # one product
+        assert load.duration_s == approx(0.4, rel=1e-15)  # one product
         assert_allclose(load.base_acceleration([-0.05, 0.45, 1.05]), np.zeros((3, 2)), atol=0)
 
     @pytest.mark.parametrize("max_step_s", STEP_LIMITS_S)
@@ -93,14 +94,14 @@ class TestRecorded:
         # bit for bit what it was
         assert load.for_period(0.05) is load and load.lost_by_lines is None
         driven = load.for_period(0.025)
-        assert driven.lost_by_lines == pytest.approx(0.125, abs=1e-3)
-        assert load.for_period(0.0127).lost_by_lines == pytest.approx(0.415, abs=2e-3)
+        assert driven.lost_by_lines == approx(0.125, abs=1e-3)
+        assert load.for_period(0.0127).lost_by_lines == approx(0.415, abs=2e-3)
         for found, record in zip(driven.motion, (load.record, load.vertical)):
             expected = interpolated(band_passed(record, 0.5, 20), (3, 5))
             assert found.time_step_s == expected.time_step_s == 0.0005
             assert_allclose(found.acceleration_m_s2, -2 * expected.acceleration_m_s2, rtol=1e-14)
-        assert driven.duration_s == pytest.approx(load.duration_s) and driven.name == load.name
-        assert driven.preferred_step_s(3e-5) == pytest.approx(0.0005 / 17)
+        assert driven.duration_s == approx(load.duration_s) and driven.name == load.name
+        assert driven.preferred_step_s(3e-5) == approx(0.0005 / 17)
         assert driven.applied() is driven.motion[0] and driven.peak_g > load.peak_g
         # one record at one scale is one intensity, whatever the wall
         assert driven.record_pga_g == load.record_pga_g == pga_g(load.motion[0])

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from conftest import REPOSITORY, in_python, parsed, refused_with
 from numpy.testing import assert_allclose
+from pytest import approx
 from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 from short_runs import SMALL
 
-import damage
-from damage import ModelOptions, Wall, load_wall
+from damage import ModelOptions, Wall, load_wall, run
 from damage.errors import RunError
 from damage.house.drawn import drawn, ranges
 from damage.linear.modes import Modes, inside_lintels, mass_vector, natural_modes, stiffness_matrix
@@ -75,7 +75,7 @@ def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
         @ shape.ravel()
         / ((mass * shape.ravel()) @ shape.ravel())
     )
-    assert now == pytest.approx(np.cos(slower * n * time_step), abs=1e-5)
+    assert now == approx(np.cos(slower * n * time_step), abs=1e-5)
     assert abs(now - np.cos(exact * n * time_step)) > 1e-4
 
 
@@ -164,7 +164,7 @@ class TestLintels:
         assert not added[~of_lintel].any() and added[of_lintel].any(axis=(1, 2)).all()
         squared = eigh(stiffness, scaled, eigvals_only=True)
         assert 2 / np.sqrt(squared[-1]) > 0.999 * step
-        assert 2 * np.pi / np.sqrt(squared[:3]) == pytest.approx(modes.period_s[:3], rel=1e-4)
+        assert 2 * np.pi / np.sqrt(squared[:3]) == approx(modes.period_s[:3], rel=1e-4)
 
     def test_a_step_couples_the_beams_alone(self, wall):
         layout = lay_out(wall)
@@ -189,11 +189,11 @@ class TestLintels:
 
     def test_a_wall_on_ground_that_settles_moves_as_in_explicit_steps(self, wall):
         how = SHAKEN | {"settle": "hogging", "distortion": 1 / 600, "settling": "adaptive"}
-        scaled, explicit = damage.run(wall, **how), damage.run(wall, **how, mass_scaling="none")
+        scaled, explicit = run(wall, **how), run(wall, **how, mass_scaling="none")
         assert (scaled.parameters["mass_scaling"], scaled.parameters["repeats"]) == ("lintels", 0)
         assert scaled.time_step_s > 2 * explicit.time_step_s and explicit.broken.any()
         found, expected = (one.series["drift_ratio"].abs().max() for one in (scaled, explicit))
-        assert found == pytest.approx(expected, rel=0.01)
+        assert found == approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,7 @@ def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs, lintel):
 @pytest.mark.parametrize("dt", [1e-5, 1e-3])
 def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
     said = "expected more than the critical one"
-    refused_with(said, damage.run, SOFT, **SHAKEN, mass_scaling="selective", dt=dt)
+    refused_with(said, run, SOFT, **SHAKEN, mass_scaling="selective", dt=dt)
 
 
 @pytest.mark.parametrize(
@@ -282,7 +282,7 @@ def test_on_ground_that_settles_large_explicit_steps_come_first(words, shares, f
     settings = parsed(words)
     found = scheme.schemes(settings, SOFT, modes_of(4e-5, 8e-5))
     assert [one.mass_scaling for one, _ in found] == [first] + ["none"] * (len(shares) - 1)
-    assert [step / 4e-5 for _, step in found] == pytest.approx(shares, rel=0.02)
+    assert [step / 4e-5 for _, step in found] == approx(shares, rel=0.02)
     if settings.mass_scaling is None:
         alone = scheme.schemes(settings, SOFT, modes_of(4e-5))
         assert alone == found[1:]
@@ -304,9 +304,9 @@ def test_yade_takes_explicit_steps():
 class TestAcceptance:
     def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
         monkeypatch.setattr(scheme, "ACCEPTED_ERROR", 0.0)
-        explicit = damage.run(SOFT, **SHAKEN, mass_scaling="none")
+        explicit = run(SOFT, **SHAKEN, mass_scaling="none")
         for out in ({}, {"out": str(tmp_path / "run.h5")}):
-            found = damage.run(SOFT, **SHAKEN, mass_scaling="selective", **out)
+            found = run(SOFT, **SHAKEN, mass_scaling="selective", **out)
             assert found.parameters["repeats"] == 3 and found.parameters["repeated_for"] == "energy"
             assert found.parameters["mass_scaling"] == "none" and found.complete
             assert found.series.equals(explicit.series)
@@ -317,9 +317,9 @@ class TestAcceptance:
         monkeypatch.setattr(
             "damage.run.session.check_energy", lambda error: scheme.check_energy(next(errors))
         )
-        found = damage.run(SOFT, **SHAKEN, mass_scaling="selective", dt=2e-4).parameters
+        found = run(SOFT, **SHAKEN, mass_scaling="selective", dt=2e-4).parameters
         large = STEP_FACTOR * found["critical_time_step_s"]
-        assert found["time_step_s"] == (1e-4 if then == "selective" else pytest.approx(large, 0.01))
+        assert found["time_step_s"] == (1e-4 if then == "selective" else approx(large, 0.01))
         assert (found["repeats"], found["mass_scaling"]) == (repeats, then)
 
     def test_a_failure_is_that_of_explicit_steps(self, monkeypatch):
@@ -330,7 +330,7 @@ class TestAcceptance:
                 raise RunError("blew up")
 
         monkeypatch.setattr("damage.run.session.check_energy", fails)
-        found = damage.run(SOFT, **MILDLY)
+        found = run(SOFT, **MILDLY)
         assert found.complete and (
             found.parameters["repeats"],
             found.parameters["repeated_for"],
@@ -338,7 +338,7 @@ class TestAcceptance:
 
     def test_a_falling_brick_makes_the_run_explicit_at_once(self, monkeypatch):
         monkeypatch.setattr(monitor, "ACCEPTED_DROP_M", 1e-6)
-        found = damage.run(SOFT, **SHAKEN, mass_scaling="selective", dt=2e-4)
+        found = run(SOFT, **SHAKEN, mass_scaling="selective", dt=2e-4)
         assert (found.parameters["repeats"], found.parameters["repeated_for"]) == (1, "drop")
         assert found.parameters["mass_scaling"] == "none"
 
@@ -373,19 +373,5 @@ class TestDrop:
 def test_a_run_with_deformable_bricks_is_accepted():
     """Compiled, which takes most of its time; the step itself: `in_plain_python`."""
     how = SHAKEN | {"bricks": "deformable", "contacts": "gauss"}
-    found = damage.run(SOFT, **how).parameters
+    found = run(SOFT, **how).parameters
     assert (found["mass_scaling"], found["repeats"]) == ("selective", 0)
-
-
-def test_a_run_that_continues_is_the_second_half_of_a_sequence(tmp_path):
-    how = MILDLY | {"mass_scaling": "selective"}
-    first, whole = tmp_path / "first.h5", damage.run(SOFT, **how, sequence=(1.0, 0.6))
-    damage.run(SOFT, **how, out=str(first))
-    second = damage.run(SOFT, **{**how, "continue": str(first), "sequence": (0.6,)})
-    assert whole.broken.any() and whole.parameters["mass_scaling"] == "selective"
-    assert whole.parameters["repeats"] == second.parameters["repeats"] == 0  # they are accepted
-    assert_allclose(
-        second.series["drift_ratio"].to_numpy()[-1],
-        whole.series["drift_ratio"].to_numpy()[-1],
-        rtol=1e-9,
-    )

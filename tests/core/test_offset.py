@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from pytest import approx
 from small_history import make_history, small_layout
 
 from damage import Joint, ModelOptions, Wall
@@ -153,32 +154,30 @@ def test_each_measure_says_which_slip_it_shows(rattled):
     length = small_layout().contacts.length
     share = {joint: length[joint] / history.joints["length_m"].sum() for joint in (3, 5)}
     row = summary_row(history)
-    assert row["max_DI_slip"] == pytest.approx(share[5]) and row[
-        "max_accumulated_DI_slip"
-    ] == pytest.approx(share[3])
+    assert row["max_DI_slip"] == approx(share[5]) and row["max_accumulated_DI_slip"] == approx(
+        share[3]
+    )
     assert (row["slip"], row["max_slip_mm"], row["max_offset_mm"]) == (
         "displacement",
-        pytest.approx(0.3),
-        pytest.approx(0.15),
+        approx(0.3),
+        approx(0.15),
     )
     assert (
-        row["max_psi"] == pytest.approx(float(psi_value(1, 1.5e-4)), rel=1e-6)
+        row["max_psi"] == approx(float(psi_value(1, 1.5e-4)), rel=1e-6)
         and row["psi_from_mm"] == 0.02
     )
-    assert summarise(history, slip="accumulated")["max"]["DI_slip"] == pytest.approx(share[3])
+    assert summarise(history, slip="accumulated")["max"]["DI_slip"] == approx(share[3])
     assert list(np.flatnonzero(cracked(history, "visible"))) == [5]
     table = index_table(history)
-    assert table["accumulated_DI_slip"].iloc[-1] == pytest.approx(share[3])
-    assert table["DI_slip"].iloc[-1] == pytest.approx(share[5]) and set(table["slip"]) == {
-        "displacement"
-    }
-    assert drift_at_first_crack(history) == pytest.approx(7e-4)  # 0.105 mm
+    assert table["accumulated_DI_slip"].iloc[-1] == approx(share[3])
+    assert table["DI_slip"].iloc[-1] == approx(share[5]) and set(table["slip"]) == {"displacement"}
+    assert drift_at_first_crack(history) == approx(7e-4)  # 0.105 mm
 
 
 def test_psi_below_one_and_its_option(rattled, output_of):
     """A crack of 0.05 mm is none to the eye: 2 x 0.05^0.3 = 0.81."""
     history = rattled(slip={}, offset={5: 0.5e-4})
-    assert psi_summary(history)["max_psi"] == pytest.approx(2 * 0.05**0.3, rel=1e-6)
+    assert psi_summary(history)["max_psi"] == approx(2 * 0.05**0.3, rel=1e-6)
     for command in ("index", "cracks"):
         assert "0.81" in output_of(command, history.path)
         assert "0.81" not in output_of(command, history.path, "--psi-from-mm", "0.1")

@@ -12,6 +12,7 @@ from conftest import refused_with
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from PIL import Image
+from pytest import approx
 from small_history import make_history, small_layout
 
 import damage
@@ -98,11 +99,11 @@ class TestJoints:
         drawn = {state: lengths(collection(figure, state).get_segments()) for state in JOINT_STATES}
         counted = cracked.index(threshold=threshold, slip=slip).iloc[sample]
         total = LAYOUT.total_joint_length
-        assert sum(drawn.values()) == pytest.approx(total, rel=ROUND_OFF)
-        assert (drawn["opened"] + drawn["both"]) / total == pytest.approx(
+        assert sum(drawn.values()) == approx(total, rel=ROUND_OFF)
+        assert (drawn["opened"] + drawn["both"]) / total == approx(
             counted["DI_open"], rel=ROUND_OFF
         )
-        assert (drawn["slipped"] + drawn["both"]) / total == pytest.approx(
+        assert (drawn["slipped"] + drawn["both"]) / total == approx(
             counted["DI_slip"], rel=ROUND_OFF
         )
 
@@ -128,7 +129,7 @@ class TestJoints:
         head = ends[~is_bed]
         heights = np.round(head[..., 1] / 0.075, 9)
         assert np.all(head[:, 0, 0] == head[:, 1, 0])
-        assert lengths(head) == pytest.approx(
+        assert lengths(head) == approx(
             sum(3 if course % 2 == 0 else 4 for course in range(6)) * 0.075
         )
         assert np.all(np.floor(heights[:, 0]) == np.ceil(heights[:, 1]) - 1)  # within one course

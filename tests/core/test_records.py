@@ -11,6 +11,7 @@ from conftest import one_line_error, refused_with
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from pytest import approx
 
 from damage.motion.formats import read_record, shipped_record_path, shipped_records
 from damage.motion.loading import Recorded
@@ -124,7 +125,7 @@ class TestWindow:
     def test_time_restarts_and_the_start_moves(self):
         record = sine_record()
         part = windowed(record, 2.5, 4.0)
-        assert part.duration_s == pytest.approx(1.5, rel=ROUND_OFF)
+        assert part.duration_s == approx(1.5, rel=ROUND_OFF)
         assert_allclose(part.acceleration_m_s2, record.acceleration_m_s2[500:801], rtol=0, atol=0)
         assert part.start_utc == "2018-01-08T14:00:02.500000Z"
 
@@ -137,7 +138,7 @@ class TestInterpolation:
             interpolated(record),
             windowed(record, 4.0, 6.0),
         )
-        assert (part.duration_s, part.start_utc) == (pytest.approx(cut.duration_s), cut.start_utc)
+        assert (part.duration_s, part.start_utc) == (approx(cut.duration_s), cut.start_utc)
         assert_allclose(
             part.acceleration_m_s2, whole.acceleration_m_s2[2000:3001], rtol=0, atol=1e-12
         )
@@ -148,7 +149,7 @@ class TestInterpolation:
         refused_with(
             "100001 samples of 0.01 s to interpolate; expected up to 100000", interpolated, long
         )
-        assert interpolated(long, (0.0, 10.0)).duration_s == pytest.approx(10.0)
+        assert interpolated(long, (0.0, 10.0)).duration_s == approx(10.0)
 
     @pytest.mark.parametrize("size", [3, 50, 2000])
     def test_values_are_those_of_scipy(self, size):

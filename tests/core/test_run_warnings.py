@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 from conftest import wall_file
+from pytest import approx
 
-import damage
-from damage import Brick, Joint, RunWarning, Wall, read_history, warnings_of
+from damage import Brick, Joint, RunWarning, Wall, read_history, run, warnings_of
 from damage.measure.energy import energy_error_of
 from damage.measure.warnings import push_drag, static_warnings
 from damage.reference.session import run_reference
@@ -49,7 +49,7 @@ def codes_of(history):
 
 def test_python_warns_of_an_energy_balance_error_where_it_was_called(tmp_path):
     with pytest.warns(RunWarning, match=ENERGY) as caught:
-        history = damage.run(DRY, **FREE, out=tmp_path / "a.h5")
+        history = run(DRY, **FREE, out=tmp_path / "a.h5")
     assert {one.filename for one in caught} == {__file__}
     assert (
         [str(one.message) for one in caught]
@@ -69,9 +69,7 @@ def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
 
     def pushed(speed):
         out = tmp_path / f"{speed:g}.h5"
-        return damage.run(
-            LIGHT_STRIP, pushover=0.02, speed=speed, contacts="gauss", cells=8, out=out
-        )
+        return run(LIGHT_STRIP, pushover=0.02, speed=speed, contacts="gauss", cells=8, out=out)
 
     with pytest.warns(RunWarning, match="20 % of the largest force.*--speed 0.0004"):
         fast = pushed(0.005)
@@ -82,9 +80,7 @@ def test_a_light_strip_that_is_pushed_too_fast_is_said_to_be_dragged(tmp_path):
     end_fast, end_slow = (one.series.iloc[-1] for one in (fast, slow))
     more_j = end_fast["input_energy_j"] - end_slow["input_energy_j"]
     assert more_j > 0.2 * end_slow["input_energy_j"]
-    assert end_fast["damping_energy_j"] - end_slow["damping_energy_j"] == pytest.approx(
-        more_j, rel=0.02
-    )
+    assert end_fast["damping_energy_j"] - end_slow["damping_energy_j"] == approx(more_j, rel=0.02)
 
 
 @pytest.mark.filterwarnings("ignore::damage.RunWarning")
@@ -92,16 +88,14 @@ def test_a_tensile_strength_beyond_the_apex_never_acts_and_is_named():
     """A pulled column fails in shear at 0.1 / 0.75 MPa, whatever strength is given beyond it."""
     runs = []
     for strength in (0.13e6, 0.2e6, 0.3e6):
-        joint = damage.Joint(
-            tensile_strength=strength, cohesion=0.1e6, friction_angle=math.atan(0.75)
-        )
-        wall = damage.Wall("pull", 0.42, 0.15, precompression=0, joint=joint)
-        runs.append(damage.run(wall, pushover=0.02))
+        joint = Joint(tensile_strength=strength, cohesion=0.1e6, friction_angle=math.atan(0.75))
+        wall = Wall("pull", 0.42, 0.15, precompression=0, joint=joint)
+        runs.append(run(wall, pushover=0.02))
     peaks = [one.series["top_force_n"].abs().max() for one in runs]
     assert peaks[1] == peaks[2]
     assert ["apex" in codes_of(one) for one in runs] == [False, True, True]
     assert "0.3 MPa (never acts: beyond" in describe_joint(joint)
-    (text,) = (one for one in damage.warnings_of(runs[2]) if one.code == "apex")
+    (text,) = (one for one in warnings_of(runs[2]) if one.code == "apex")
     assert "0.3 MPa, never acts: bonds fail in shear at a tension of 0.1333 MPa" in text
 
 
@@ -118,15 +112,15 @@ def test_the_command_line_warns_alike(tmp_path, capsys):
 
 def test_a_smaller_step_balances_the_energy():
     """The error of this course is one of the time step, and falls as its square."""
-    coarse, fine = (energy_error_of(damage.run(DRY, dt=step, **FREE)) for step in (2e-5, 1e-5))
-    assert coarse < 0.01 and coarse / fine == pytest.approx(4, rel=0.5)
-    assert not [text for text in warnings_of(damage.run(DRY, dt=1e-5, **FREE)) if "energy" in text]
+    coarse, fine = (energy_error_of(run(DRY, dt=step, **FREE)) for step in (2e-5, 1e-5))
+    assert coarse < 0.01 and coarse / fine == approx(4, rel=0.5)
+    assert not [text for text in warnings_of(run(DRY, dt=1e-5, **FREE)) if "energy" in text]
 
 
 def test_warnings_before_the_run_are_among_them(capsys):
     pier = Wall("pier", 0.45, 0.3)
     with pytest.warns(RunWarning, match="deformable with brittle joints"):
-        history = damage.run(
+        history = run(
             pier, harmonic=(0.05, 0.01), cycles=1, rest=0, bricks="deformable", contacts="gauss"
         )
     assert any("deformable with brittle joints" in text for text in warnings_of(history))
@@ -153,10 +147,7 @@ def test_energy_is_balanced_where_bonds_snap_back():
         joint=joint,
         brick=Brick(0.3752, 0.1822, 0.1551, 686.0, 3.155e9, 2.551e9),
     )
-    assert (
-        energy_error_of(damage.run(wall, harmonic=(0.2079, 0.1262), cycles=2, rest=0.1, cells=1))
-        < 2e-3
-    )
+    assert energy_error_of(run(wall, harmonic=(0.2079, 0.1262), cycles=2, rest=0.1, cells=1)) < 2e-3
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from conftest import one_line_error, parsed
+from pytest import approx
 
-import damage
-from damage import Brick, Wall
+from damage import Brick, Wall, run
 from damage.draw.words import run_title
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
@@ -47,9 +47,7 @@ def sampled(folder, step_s, name="", scale=1.0):
 def runs(tmp_path_factory):
     """{step [s]: History} of the stiff wall under both files."""
     folder = tmp_path_factory.mktemp("sampling")
-    return {
-        step_s: damage.run(STIFF, sampled(folder, step_s), rest=0.1) for step_s in (0.02, 0.002)
-    }
+    return {step_s: run(STIFF, sampled(folder, step_s), rest=0.1) for step_s in (0.02, 0.002)}
 
 
 def test_a_record_in_coarse_steps_drives_a_stiff_wall_as_one_in_fine_steps(runs):
@@ -65,14 +63,14 @@ def test_a_record_in_coarse_steps_drives_a_stiff_wall_as_one_in_fine_steps(runs)
         "arias_m_s",
         "d5_75_s",
     ):
-        assert coarse[name] == pytest.approx(fine[name], rel=0.01), name
+        assert coarse[name] == approx(fine[name], rel=0.01), name
     rows = [summary_row(runs[step_s]) for step_s in (0.02, 0.002)]
     for name in ("pga_g", "sa_0.2_s_g", "peak_base_shear_n"):
-        assert rows[0][name] == pytest.approx(rows[1][name], rel=0.01), name
+        assert rows[0][name] == approx(rows[1][name], rel=0.01), name
     # of the file, and not of what was interpolated for this wall
-    assert rows[0]["record_pga_g"] == pytest.approx(file_pga_g(0.02), rel=1e-6)
+    assert rows[0]["record_pga_g"] == approx(file_pga_g(0.02), rel=1e-6)
     assert rows[0]["record_pga_g"] < 0.99 * rows[0]["pga_g"]
-    assert runs[0.02].eigen_period_s == pytest.approx(PERIOD_S, abs=1e-4)
+    assert runs[0.02].eigen_period_s == approx(PERIOD_S, abs=1e-4)
     assert coarse["peak_base_shear_n"] > 1000
 
 
@@ -81,7 +79,7 @@ def test_the_run_says_that_it_interpolates_and_what_lines_would_take_off(runs):
     assert (
         summarise(runs[0.02])["lost_by_lines"]
         == summary_row(runs[0.02])["lost_by_lines"]
-        == pytest.approx(lost)
+        == approx(lost)
     )
     assert runs[0.02].parameters["loading"]["interpolated_for_s"] == runs[0.02].eigen_period_s
     assert summarise(runs[0.002])["lost_by_lines"] is None and "lost_by_lines" in summary_row(

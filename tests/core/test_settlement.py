@@ -1,5 +1,5 @@
-"""Settlement of the ground: supports that follow a profile, against rigid-body motion, beams and
-statics."""
+"""The ground: supports that follow a profile, against rigid-body motion, beams and statics; soil,
+springs below the base without tension, against closed forms."""
 
 import math
 from dataclasses import replace
@@ -9,13 +9,17 @@ import pytest
 from checks.settling_support import pier, settle
 from conftest import REPOSITORY, parsed, refused_with, rigid_turn, written
 from numpy.testing import assert_allclose
+from pytest import approx
+from scipy.linalg import eigh
 from short_runs import SMALL, solver_of
 
 import damage
-from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, read_history
+from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, read_history, run
 from damage.applications.cracks.compare import compare, describe
 from damage.applications.cracks.compare_picture import joint_agreement
 from damage.errors import RunError
+from damage.linear.modes import mass_vector, natural_modes, stiffness_matrix
+from damage.measure.cycles import natural_period, upward_crossings
 from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
@@ -32,6 +36,7 @@ from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import Supports, lay_out
+from damage.wall.soil import fastest_decay, radiation_times
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)
@@ -73,10 +78,10 @@ def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
     assert_allclose(up, settlement.vertical(x, 4.0), atol=1e-8)
     angular, ratio, relative_mm, tilt = distortion(x, up)
     factor = 0.5 if chord else 1.0
-    assert angular == pytest.approx(factor * given, rel=1e-4)
-    assert ratio == pytest.approx(sign * factor * given / 2, rel=1e-4)
-    assert relative_mm == pytest.approx(1e3 * given * 2.0, rel=1e-4)
-    assert tilt == pytest.approx(chord * given / 2, abs=1e-9)
+    assert angular == approx(factor * given, rel=1e-4)
+    assert ratio == approx(sign * factor * given / 2, rel=1e-4)
+    assert relative_mm == approx(1e3 * given * 2.0, rel=1e-4)
+    assert tilt == approx(chord * given / 2, abs=1e-9)
 
 
 @pytest.mark.parametrize("profile", PROFILES)
@@ -140,7 +145,7 @@ def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
     settlement.check_length(4.0)
     up = settlement.vertical([0.2, 2, 3.8], 4.0)
     assert_allclose(up - up[0], [0, -1e-3, -9e-3], atol=1e-12)
-    assert settlement.vertical(4.0, 4.0) - settlement.vertical(3.8, 4.0) == pytest.approx(
+    assert settlement.vertical(4.0, 4.0) - settlement.vertical(3.8, 4.0) == approx(
         -8e-3 / 1.8 * 0.2
     )
     assert capsys.readouterr().err == ""
@@ -149,7 +154,7 @@ def test_levels_of_two_dates_are_a_profile(tmp_path, capsys):
     assert parsed(f"--settle {path}").settlement == settlement
     path.write_text("x_m,height_m\n0,1.71\n2,1.70\n4,1.71\n")
     one = parsed(f"--settle {path}").settlement
-    assert one.vertical(2, 4.0) - one.vertical(0, 4.0) == pytest.approx(-0.01)
+    assert one.vertical(2, 4.0) - one.vertical(0, 4.0) == approx(-0.01)
     assert (
         "levels of one date: the course is taken as level when it was built"
         in capsys.readouterr().err
@@ -283,7 +288,7 @@ def test_a_long_elastic_wall_that_the_ground_leaves_is_timoshenkos_beam(tmp_path
         # from the end bricks' centres to these points
         inwards = LENGTH * (1 + 1 / math.sqrt(3)) / 4
         found = (up[[0, -1]] + inwards * np.array([-1, 1]) * rotation).mean() - up[N // 2]
-    assert found == pytest.approx(expected, rel=0.05)
+    assert found == approx(expected, rel=0.05)
 
 
 def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(tmp_path):
@@ -295,9 +300,9 @@ def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(
     weight, left = GRAVITY * layout.total_mass, LENGTH * (1 - 1 / math.sqrt(3)) / 4
     expected = weight * (BEAM.length / 2 - left) / (right - left)
     carrying = slice(round(right / LENGTH) - 1, round(right / LENGTH) + 1)
-    assert reaction[carrying].sum() == pytest.approx(expected, rel=0.01)
-    assert reaction[0] == pytest.approx(weight - expected, rel=0.01)
-    assert np.delete(reaction, [0, *range(carrying.start, carrying.stop)]) == pytest.approx(
+    assert reaction[carrying].sum() == approx(expected, rel=0.01)
+    assert reaction[0] == approx(weight - expected, rel=0.01)
+    assert np.delete(reaction, [0, *range(carrying.start, carrying.stop)]) == approx(
         0.0, abs=1e-3 * weight
     )
 
@@ -308,7 +313,7 @@ def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(
 def test_the_ground_settles_before_time_zero_and_rests_then(run_of):
     cracked = run_of("settled")
     series, settlement = cracked.series, cracked.series["stage"] == "settlement"
-    assert series["time_s"][settlement].iloc[-1] == pytest.approx(0.0, abs=1e-12)
+    assert series["time_s"][settlement].iloc[-1] == approx(0.0, abs=1e-12)
     assert (series["time_s"][settlement] <= 0).all() and (series["time_s"][~settlement] > 0).all()
     rests = cracked.support_displacement[~settlement.to_numpy()]
     assert_allclose(rests, np.broadcast_to(rests[0], rests.shape), rtol=1e-6)
@@ -349,7 +354,7 @@ def test_cracks_of_the_settlement_stay_and_the_ground_s_work_is_in_the_balance(r
         np.flatnonzero(cracked.series["stage"] == "settlement")[-1],
     )
     assert found["settled_crack_width_mm"] > 0.1 and found["settled_psi"] > 1
-    assert found["angular_distortion"] == pytest.approx(1 / 500, rel=0.1)
+    assert found["angular_distortion"] == approx(1 / 500, rel=0.1)
     assert cracked.opening_m[-1].max() > 0.5 * cracked.opening_m[last].max()
     assert cracked.series["input_energy_j"][last] < -1.0 and energy_error_of(cracked) < 2e-4
 
@@ -358,9 +363,9 @@ def test_without_a_motion_the_run_ends_at_time_zero():
     wall = replace(SMALL, floors=[Floor(0.225, 500.0)])
     history = damage.run(wall, settle="tilt", distortion=1 / 500)
     assert history.complete and set(history.series["stage"]) == {"settlement"}
-    assert history.series["time_s"].iloc[-1] == pytest.approx(0.0, abs=1e-12)
+    assert history.series["time_s"].iloc[-1] == approx(0.0, abs=1e-12)
     assert history.loading.name == "at_rest"
-    assert history.series["base_rotation_rad"].iloc[-1] == pytest.approx(-1 / 500, rel=0.02)
+    assert history.series["base_rotation_rad"].iloc[-1] == approx(-1 / 500, rel=0.02)
     assert abs(history.series["drift_ratio"].iloc[-1]) < 1e-5  # the tilt itself is none
     storeys = storey_drifts(history)[1]
     assert storeys.shape[1] == 2 and np.abs(storeys).max() < 8e-5
@@ -389,10 +394,10 @@ def test_force_and_drift_of_a_push_count_from_its_start(run_of):
         and whole.series["top_force_n"].abs().max() > 1e3
     )
     assert zero["top_displacement_m"] > 1e-4 and energy_error_of(whole) < 1e-3
-    assert found["secant_stiffness_n_per_m"] == pytest.approx(
+    assert found["secant_stiffness_n_per_m"] == approx(
         shear[at] / (top[at] - zero["top_displacement_m"])
     )
-    assert found["drift_at_peak_force"] == pytest.approx(
+    assert found["drift_at_peak_force"] == approx(
         whole.series["drift_ratio"][shear.idxmax()] - zero["drift_ratio"], rel=1e-6
     )
 
@@ -446,3 +451,187 @@ def test_one_support_and_one_below_each_brick_give_the_same_wall():
     assert np.array_equal(one.displacement, bricks.displacement) and one.state.any()
     assert_allclose(one.support_force[:, :2], [bricks.support_force[:, :2].sum(axis=0)], rtol=1e-12)
     assert len(bricks.support_force) == 4
+
+
+# --- soil -----------------------------------------------------------------------------------------
+
+SOIL, FOOTING = 1e8, 0.4
+
+
+def block(length, height):
+    """A rigid block on soil, on Gauss points, which integrate its springs exactly."""
+    return Wall("block", length, height, precompression=0.0, brick=Brick(length, height, 0.2))
+
+
+def stiffness(layout):
+    """Vertical and horizontal springs per length [N/m2], of soil and base joint in series."""
+    contacts, thickness = layout.contacts, layout.wall.brick.thickness
+    assert np.ptp(contacts.normal_stiffness) == 0
+    return contacts.normal_stiffness[0] * thickness, contacts.shear_stiffness[0] * thickness
+
+
+def test_springs_are_soil_and_base_joint_in_series_over_the_footing():
+    options = {"contacts": "gauss", "footing": FOOTING, "soil_shear": 0.3}
+    soft, rigid = (
+        lay_out(block(1.0, 1.0), ModelOptions(soil=soil, **more))
+        for soil, more in ((SOIL, options), ("rigid", {"contacts": "gauss"}))
+    )
+    for found, hard, soil in zip(stiffness(soft), stiffness(rigid), (SOIL, 0.3 * SOIL)):
+        assert 1 / found == approx(1 / hard + 1 / (soil * FOOTING), rel=1e-12)
+    assert not soft.contacts.tensile_strength.any() and np.all(
+        soft.contacts.cohesion == rigid.contacts.cohesion
+    )
+
+
+def periods(layout, weight=True):
+    """Closed form: periods [s] of sway and rocking of a rigid block on a bed of springs, with the
+    weight's moment."""
+    return (
+        2
+        * math.pi
+        / np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(*matrices(layout, weight)))))
+    )
+
+
+def matrices(layout, weight=True, times=(1.0, 1.0)):
+    """Mass and stiffness (2, 2) of the centre's displacement and the rotation; times: factors on
+    the springs up and along."""
+    wall = layout.wall
+    up, along = np.array(stiffness(layout)) * times
+    mass, half = layout.total_mass, wall.height / 2
+    inertia = mass * (wall.length**2 + wall.height**2) / 12
+    sway = along * wall.length
+    rock = up * wall.length**3 / 12 - (mass * GRAVITY * half if weight else 0.0)
+    # Of the centre's displacement and the rotation, which moves the base by half the height.
+    k = np.array([[sway, sway * half], [sway * half, sway * half**2 + rock]])
+    return np.diag([mass, inertia]), k
+
+
+@pytest.mark.parametrize(
+    "length, height, share", [(0.6, 1.8, 1.0), (1.8, 0.3, 0.05)], ids=["rocks", "slides"]
+)
+def test_the_period_of_a_block_is_that_of_the_closed_form(length, height, share):
+    """A slender block rocks and a flat one on soft shear springs sways in its first mode."""
+    options = {"contacts": "gauss", "soil": SOIL, "footing": FOOTING, "soil_shear": share}
+    layout = lay_out(block(length, height), ModelOptions(**options))
+    expected = periods(layout, weight=False).max()
+    assert natural_modes(layout).period_s[0] == approx(expected, rel=1e-6)
+    history = run(layout.wall, free_vibration=True, rest=0.6, **options)
+    assert not history.opening_m.any()  # it does not lift off
+    assert not history.series["drift_ratio"].any()  # of a rigid block, which only moves as its base
+    found = natural_period(
+        *(history.moving[name].to_numpy() for name in ("time_s", "top_displacement_m"))
+    )
+    assert found == approx(periods(layout).max(), rel=5e-3)
+
+
+def test_dashpots_of_the_soil_take_energy_as_by_the_closed_form():
+    """Decay of a rocking block by the complex eigenvalues of its two equations of motion with
+    dashpots."""
+    velocity = 50.0
+    options = {
+        "contacts": "gauss",
+        "soil": SOIL,
+        "footing": FOOTING,
+        "soil_shear": 1.0,
+        "soil_velocity": velocity,
+    }
+    layout = lay_out(block(0.6, 1.8), ModelOptions(**options))
+    times = radiation_times(layout.options)
+    assert times == approx((1800 * 3.4 * velocity / (math.pi * 0.6) / SOIL, 1800 * velocity / SOIL))
+    mass, k = matrices(layout)
+    damping = matrices(layout, weight=False, times=times)[1]
+    inverse, none = np.linalg.inv(mass), np.zeros((2, 2))
+    roots = np.linalg.eigvals(np.block([[none, np.eye(2)], [-inverse @ k, -inverse @ damping]]))
+    first = roots[np.argmin(np.abs(roots))]
+    history = run(layout.wall, free_vibration=True, rest=1.0, dt=1e-4, **options)
+    assert not history.opening_m.any()
+    time_s, top = (history.moving[name].to_numpy() for name in ("time_s", "top_displacement_m"))
+    crossings = upward_crossings(time_s, top)
+    period = np.diff(crossings)[:3].mean()
+    assert period == approx(2 * math.pi / abs(first.imag), rel=5e-3)
+    peaks = [
+        np.abs(top[(time_s >= begin) & (time_s < begin + period)]).max() for begin in crossings[:4]
+    ]
+    assert np.log(peaks[0] / peaks[3]) / (3 * period) == approx(-first.real, rel=0.02)
+    assert energy_error_of(history) < 1e-3
+    expected = history.series["kinetic_energy_j"].iloc[0] * (
+        1 - math.exp(2 * first.real * time_s[-1])
+    )
+    assert history.moving["damping_energy_j"].iloc[-1] == approx(expected, rel=0.03)
+
+
+def test_the_fastest_decay_is_that_of_the_stiffest_base_by_lapack():
+    """Dashpots are springs of the soil times their times."""
+    wall = Wall("w", 1.0, 0.6, precompression=0.0)
+    layout = lay_out(wall, ModelOptions(soil=SOIL, soil_velocity=100.0))
+    contacts, (up, along) = layout.contacts, radiation_times(layout.options)
+    ground = contacts.first < 0
+    dashpots = replace(
+        contacts,
+        normal_stiffness=up * ground * contacts.normal_stiffness,
+        shear_stiffness=along * ground * contacts.shear_stiffness,
+    )
+    damping = stiffness_matrix(replace(layout, contacts=dashpots)).toarray()
+    rates = eigh(damping, np.diag(mass_vector(layout)), eigvals_only=True)
+    assert fastest_decay(layout) == approx(rates[-1], rel=1e-9)
+
+
+def test_the_base_lifts_off_at_the_exact_moment():
+    """Stress by weight and moment is zero at the outermost point: M = W L^2 / (12 x)."""
+    options = {"contacts": "gauss", "soil": SOIL, "footing": FOOTING}
+    wall = block(0.6, 1.2)
+    history = run(wall, pushover=0.06, speed=1e-4, **options)
+    weight = GRAVITY * history.bodies["mass_kg"].sum()
+    reach = wall.length / 2 - history.joints["x_m"].min()
+    sample = int(np.argmax(history.opening_m.max(axis=1) > 0))
+    lifted = history.joints["x_m"][history.opening_m[sample] > 0]
+    assert len(lifted) == 1 and abs(lifted.iloc[0] - wall.length / 2) == approx(reach)
+    moment = (
+        history.series["top_force_n"] * wall.height / 2
+        + weight * history.series["top_displacement_m"]
+    )[sample]
+    assert moment == approx(weight * wall.length**2 / (12 * reach), rel=5e-3)
+
+
+def test_drift_leaves_the_rocking_of_the_base_out(run_of):
+    """Most of the top's motion on soft soil is that of the base, whose rotation and translation
+    have columns."""
+    shaken = run_of("on soil")
+    series = shaken.series
+    assert energy_error_of(shaken) < 1e-4
+    by_top = series["top_displacement_m"].abs().max() / shaken.attributes["drift_height_m"]
+    assert series["drift_ratio"].abs().max() < 0.5 * by_top
+    rebuilt = (
+        series["drift_ratio"] * shaken.attributes["drift_height_m"]
+        + series["base_translation_m"]
+        - np.sin(series["base_rotation_rad"])
+        * (shaken.attributes["drift_height_m"] - shaken.masonry_wall.brick.height / 2)
+    )
+    assert np.allclose(rebuilt, series["top_displacement_m"], atol=1e-12)
+
+
+def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path):
+    """A block on soil that is pushed at its centre: springs of sway and rocking, the top's, and the
+    weight's moment."""
+    options, wall, spring = (
+        {"contacts": "gauss", "soil": SOIL, "footing": FOOTING},
+        block(0.6, 1.2),
+        2e6,
+    )
+    layout = lay_out(wall, ModelOptions(**options))
+    up, along = stiffness(layout)
+    history = run(wall, pushover=0.01, speed=1e-4, top_rotation=spring, dt=5e-5, **options)
+    rock = up * wall.length**3 / 12 + spring - GRAVITY * layout.total_mass * wall.height / 2
+    expected = 1 / (1 / (along * wall.length) + (wall.height / 2) ** 2 / rock)
+    last = history.series.iloc[-1]
+    assert last["top_force_n"] / last["top_displacement_m"] == approx(expected, rel=5e-3)
+    assert energy_error_of(history) < 1e-3
+    refused_with(
+        "is too stiff for time steps of",
+        run,
+        wall,
+        pushover=0.01,
+        top_rotation=1e12,
+        **options,
+    )

@@ -40,7 +40,7 @@ from damage.reference.solver import ReferenceSolver
 SMALL = "walls/variants/small.py"
 DAMAGE = (sys.executable, "-m", "damage")
 SHAKEN = "--harmonic 0.06 0.6 --rest 1 --no-pictures"
-BRIEFLY = f"{SMALL} --harmonic 0.1 0.1 --rest 0"
+BRIEFLY = f"{REPOSITORY}/{SMALL} --harmonic 0.1 0.1 --rest 0"
 STUDY = """name = "s"
 pictures = "none"
 [[runs]]
@@ -149,7 +149,7 @@ class TestFullDisk:
 
     def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(self, tmp_path, capsys):
         (tmp_path / "run").write_text("no folder")  # where the pictures would go
-        assert run_reference(f"{REPOSITORY}/{BRIEFLY} --out {tmp_path}/run.h5".split()) == 0
+        assert run_reference(f"{BRIEFLY} --out {tmp_path}/run.h5".split()) == 0
         said = capsys.readouterr().err
         assert "warning: the history is whole, its pictures failed (cannot write" in said
         assert read_history(tmp_path / "run.h5").complete
@@ -229,7 +229,6 @@ class TestMemory:
         def none(*arguments, **named):
             raise MemoryError
 
-        monkeypatch.chdir(REPOSITORY)
         monkeypatch.setattr("damage.run.session.report", none)
         out = tmp_path / "a.h5"
         assert run_reference(f"{BRIEFLY} --out {out}".split()) == 0
@@ -244,7 +243,6 @@ class TestMemory:
             return whole(solver, *arguments)
 
         whole = ReferenceSolver.advance
-        monkeypatch.chdir(REPOSITORY)
         monkeypatch.setattr(ReferenceSolver, "advance", full)
         out = tmp_path / "a.h5"
         assert run_reference(f"{BRIEFLY} --out {out}".split()) == 1

@@ -3,7 +3,7 @@ the heap rests."""
 
 import numpy as np
 import pytest
-from test_new_contacts import DIAMETER
+from test_ends import DIAMETER
 
 from damage.run.settings import RESTS_BELOW_M_S, RESTS_FOR_S
 from paper.falls import INTERVAL_S, first_fall, in_reference, in_yade, overlaps, speeds

@@ -40,11 +40,11 @@ def straight(*corners, steps=400):
 
 
 def make_paths():
-    paths = {"tension": straight((0, 0), (1.1 * FT / KN, 0), steps=500)}
+    paths = {"tension": straight((0, 0), (0.99 * FT / KN, 0), (1.1 * FT / KN, 0), steps=200)}
     for name, pressure in PRESSURES.items():
         peak = (C + pressure * MU) / KS
         paths[f"shear_{name}"] = straight(
-            (0, 0), (-pressure / KN, 0), (-pressure / KN, 1.15 * peak), steps=400
+            (0, 0), *((-pressure / KN, share * peak) for share in (0, 0.99, 1.15)), steps=200
         )
     squeeze = -0.3e6 / KN
     paths["reclose"] = straight(

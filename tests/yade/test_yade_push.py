@@ -123,7 +123,7 @@ def test_joints_that_soften_do_so_alike(tmp_path, in_both):
 @pytest.mark.long
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path, yade_command):
     """A block on soil: springs of sway and rocking, the top's, and the weight's moment
-    (tests/core/test_soil.py)."""
+    (tests/core/test_settlement.py)."""
     path = wall_file(
         tmp_path / "block.py",
         "Wall('block', 0.6, 1.2, precompression=0.0, brick=Brick(0.6, 1.2, 0.2))",
@@ -184,7 +184,7 @@ def test_a_toe_crushes_alike(tmp_path, in_both):
 
 
 def test_a_spreader_beam_keeps_the_ratio_of_its_forces(tmp_path, in_both):
-    """The column of tests/core/test_floor_push.py: its floors move as by hand in both."""
+    """The column of tests/core/test_floors.py: its floors move as by hand in both."""
     wall = wall_file(
         tmp_path / "column.py",
         "Wall('column', 0.3, 1.2, precompression=0, brick=Brick(length=0.6, height=0.1),"

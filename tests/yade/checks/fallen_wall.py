@@ -2,7 +2,7 @@
 
     yade -n fallen_wall.py CONTACTS SECONDS RESULTS.npz
 
-The wall is `spandrel` of tests/core/test_new_contacts.py, here under its weight from the first
+The wall is `spandrel` of tests/core/test_ends.py, here under its weight from the first
 step.  RESULTS holds every 0.01 s: time_s (n,); place (n, n_bodies, 3) [m, m, rad]; energy_j (n,),
 elastic, kinetic and of gravity.  Impacts are damped once a brick has fallen by half its height, as
 in a run.

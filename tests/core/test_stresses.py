@@ -1,6 +1,7 @@
-"""Stresses of joints against statics of a pier and of a flat arch, and YADE's contact forces; what
-is shown of them."""
+"""Stresses of joints against statics of a pier and of a flat arch, and YADE's contact forces; those
+in deformable bricks; what is shown of them."""
 
+from dataclasses import fields, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,18 +9,27 @@ import pandas as pd
 import pytest
 from conftest import SHORT, wall_file
 from numpy.testing import assert_allclose, assert_array_equal
-from short_runs import SMALL
+from pytest import approx
+from short_runs import SMALL, solver_of
+from small_history import make_history
 
 from damage import Brick, Joint, Lintel, ModelOptions, Opening, Wall
-from damage.measure.joint_stress import (
-    contact_forces,
-    sections_table,
+from damage.applications.studies.records import record_of
+from damage.measure.brick_stress import (
+    bricks_table,
+    principal_stresses,
+    stress_measures,
+    warn_of_splitting,
 )
+from damage.measure.joint_stress import contact_forces, sections_table
 from damage.measure.tables import write_run_tables
 from damage.reference.solver import ReferenceSolver
 from damage.units import GRAVITY
 from damage.wall.geometry import body_table, joint_table
+from damage.wall.kinds import CAP
 from damage.wall.layout import lay_out
+from damage.wall.strain import strain_of, stress_by_modes
+from verification.collapse import settled_wall
 
 BRICK = Brick(0.2, 0.1, 0.1)
 PIER = Wall(
@@ -104,7 +114,7 @@ def test_contact_forces_carry_the_wall_and_every_brick():
     )
     force = turned(layout, now, contact_forces(history, 0))
     base = points.first[: layout.n_joints] < 0
-    assert force[base, 1].sum() == pytest.approx(GRAVITY * bodies.mass.sum(), rel=1e-9)
+    assert force[base, 1].sum() == approx(GRAVITY * bodies.mass.sum(), rel=1e-9)
     on_bodies = np.zeros((len(bodies), 2))
     for sign, side in ((-1, points.first), (1, points.second)):
         of = side[: layout.n_joints]
@@ -127,25 +137,38 @@ def turned(layout, now, force):
     )
 
 
+def flat_arch(courses, high):
+    """The Layout of a flat arch of so many courses on two piers of so many others, that it spreads;
+    joints without tension, which do not slide and hardly compress.
+
+    Its thrust passes the top of the arch in the middle of the span L and the bottom at its ends, so
+    that H h = V L / 4 with its height h and half its weight V = g h L / 2, g per area.  A pier of
+    width B below its springing at the height z turns about its outer toe where H z > V B + W B / 2,
+    W = g B (z + h): the arch stands if
+
+        h / z > (L^2 / 8 - B^2 / 2) / (L B / 2 + B^2 / 2)
+
+    which is 0.6 for L = 4 B.
+    """
+    brick = Brick(length=0.36, height=0.06, thickness=0.1)
+    lintel = Lintel("arch", courses * brick.height, 0.0)
+    opening = Opening(brick.length, 4 * brick.length, high * brick.height, 0.0, lintel)
+    size = 6 * brick.length, (high + courses) * brick.height
+    wall = Wall("arch", *size, (opening,), 0.0, brick=brick, joint=NO_TENSION)
+    return lay_out(wall, ModelOptions(contacts="corners"))
+
+
+def test_a_flat_arch_falls_5_percent_below_its_least_thickness():
+    assert 4 / 7 == approx(0.95 * 0.6, rel=0.01)
+    with pytest.raises(ValueError, match="does not stand under its own weight"):
+        settled_wall(flat_arch(4, 7))
+
+
 def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
     """24 bricks on end over 4 bricks' length, nothing on top: H is constant, H (z - crown) = -w (x
-    - middle)^2 / 2.  It stands, 4 % above the least thickness: `TestArch` of `test_lintels.py`."""
-    brick = Brick(length=0.36, height=0.06, thickness=0.1)
-    opening = Opening(
-        brick.length, 4 * brick.length, 8 * brick.height, 0.0, Lintel("arch", 5 * brick.height, 0.0)
-    )
-    layout = lay_out(
-        Wall(
-            "arch",
-            6 * brick.length,
-            13 * brick.height,
-            (opening,),
-            0.0,
-            brick=brick,
-            joint=NO_TENSION,
-        ),
-        ModelOptions(contacts="corners"),
-    )
+    - middle)^2 / 2.  It stands, 4 % above its least thickness."""
+    layout = flat_arch(5, 8)
+    brick = layout.wall.brick
     now, _ = at_rest(layout, steps=120000)
     table = sections_table(as_history(layout, now.joint_stress_pa), ["rest"])
     arch = table[table["part"] == "arch 1"]
@@ -196,7 +219,7 @@ def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken)
     )
     weights = joints["area_m2"].to_numpy()[base]
     normal, shear = np.moveaxis(kept.joint_stress_pa[:, base].astype(float), 2, 0) @ weights
-    assert -normal[0] == pytest.approx(kept.static["weight_n"], rel=1e-6)
+    assert -normal[0] == approx(kept.static["weight_n"], rel=1e-6)
     assert_allclose(shear, series["base_shear_n"], atol=2e-3 * series["base_shear_n"].abs().max())
     # Small turns: until the first joint fails the axes of joints are those of the base.
     elastic = series["time_s"] < kept.events["time_s"].min()
@@ -215,7 +238,7 @@ def test_the_static_stage_is_kept_to_where_it_ends(shaken):
     kept, _ = shaken
     stage = kept.static_stage
     assert stage["unbalanced_force"].iloc[-1] == kept.static["unbalanced_force"] < 1e-5
-    assert stage["time_s"].iloc[-1] == pytest.approx(kept.static["duration_s"])
+    assert stage["time_s"].iloc[-1] == approx(kept.static["duration_s"])
     assert_allclose(np.diff(stage["time_s"]), 500 * kept.time_step_s)
     assert stage["unbalanced_force"].iloc[0] > 0.1
 
@@ -261,3 +284,117 @@ def test_both_solvers_have_the_same_stresses(tmp_path, in_both):
     n = min(len(one.series), len(two.series))
     assert_allclose(one.joint_stress_pa[:n], two.joint_stress_pa[:n], atol=2e-2 * largest)
     assert len(one.static_stage) > 5 and one.static_stage["unbalanced_force"].iloc[-1] < 1e-5
+
+
+# --- stresses in deformable bricks ----------------------------------------------------------------
+
+DEFORMABLE = ModelOptions(bricks="deformable", contacts="gauss")
+
+
+@pytest.mark.parametrize(
+    ("stress", "principal", "angle"),
+    [
+        ((2.0, 0.0, 0.0), (2.0, 0.0), 0.0),
+        ((0.0, 2.0, 0.0), (2.0, 0.0), np.pi / 2),
+        ((0.0, 0.0, 3.0), (3.0, -3.0), np.pi / 4),
+        ((-1.0, -5.0, 0.0), (-1.0, -5.0), 0.0),
+        ((5.0, -1.0, -4.0), (7.0, -3.0), -np.arctan2(4, 3) / 2),
+    ],
+)
+def test_principal_stresses(stress, principal, angle):
+    found, direction = principal_stresses(stress)
+    assert_allclose(found, principal)
+    assert direction == approx(angle)
+    # the normal stress in that direction is the largest one
+    cosine, sine = np.cos(direction), np.sin(direction)
+    assert np.dot(stress, [cosine**2, sine**2, 2 * sine * cosine]) == approx(principal[0])
+
+
+def test_a_bent_brick_has_the_mean_moment_of_beam_theory():
+    """On supports an eighth of the length L from its ends, under a load Q on points an eighth from
+    its middle: the moment's mean over the length is half its maximum, Q L / 8; the brick's own
+    weight is left out."""
+    brick = Brick(density=1.0)
+    wall = Wall(
+        "beam",
+        brick.length,
+        brick.height,
+        brick=brick,
+        joint=Joint(tensile_strength=1e15, cohesion=1e15),
+        precompression=1e4,
+    )
+    layout = lay_out(wall, ModelOptions(top="beam", bricks="deformable"))
+    contacts = layout.contacts
+    outer = np.abs(contacts.x - brick.length / 2) > brick.length / 4
+    used = np.flatnonzero(outer != (contacts.kind == CAP))
+    kept = replace(
+        contacts, **{one.name: getattr(contacts, one.name)[used] for one in fields(contacts)}
+    )
+    kept = replace(kept, shear_stiffness=1e-6 * kept.shear_stiffness)  # next to no membrane force
+    layout = replace(
+        layout,
+        contacts=kept,
+        n_joints=int(np.sum(kept.kind != CAP)),
+        strain=strain_of(wall.brick, layout.options, layout.bodies, kept, layout.n_bricks),
+    )
+    solver = solver_of(layout, 0.1)
+    solver.add_static_displacement()
+    (stress, _), load = (
+        np.einsum("bpsm,bm->bps", stress_by_modes(layout), solver.system.place[:-1, 3:]),
+        GRAVITY * layout.bodies.mass[1],
+    )
+    bending = (stress[1:3, 0].mean() - stress[3:5, 0].mean()) / 2  # lower edge, upper edge
+    assert bending == approx(
+        0.5 * load * brick.length / 8 / (brick.thickness * brick.height**2 / 6), rel=5e-3
+    )
+
+
+@pytest.fixture
+def stressed(tmp_path):
+    """stressed(strength): a history of two bricks on two at two snapshots, brick 1 bent in the
+    second by 2 MPa at its lower edge."""
+
+    def make(strength=None):
+        wall = Wall("small", 0.45, 0.15, brick=Brick(tensile_strength=strength), precompression=0.0)
+        layout = lay_out(wall, DEFORMABLE)
+        # none is cut
+        assert layout.n_bricks == len(lay_out(replace(wall, brick=Brick()), DEFORMABLE).bodies)
+        history = make_history(tmp_path / f"{strength}.h5", layout)
+        stress = np.full((2, len(layout.bodies), 5, 3), 0.0, np.float32)
+        stress[:, :, :, 1] = -3e5
+        stress[1, 1, :, 0] = [0.0, 1e6, 3e6, -1e6, -3e6]
+        return replace(
+            history,
+            stress_pa=stress,
+            displacement=history.displacement[:1].repeat(2, axis=0),
+            snapshot_time_s=np.array([0.1, 0.3]),
+        )
+
+    return make
+
+
+def test_table_of_the_middle_sections(stressed, tmp_path):
+    history = stressed(strength=1.5e6)
+    table = bricks_table(history).set_index("brick")
+    bent = table.loc[1]
+    assert (bent["place"], bent["time_s"], bent["splits_at_s"]) == ("lower edge", 0.3, 0.3)
+    assert_allclose([bent["max_tension_pa"], bent["max_compression_pa"]], [2e6, -2e6])
+    others = table.drop(index=1)
+    assert_allclose(others[["max_tension_pa", "max_compression_pa"]], [[0.0, -3e5]] * len(others))
+    assert others["splits_at_s"].isna().all()
+    assert stress_measures(history) == {
+        "max_brick_tension_pa": 2e6,
+        "max_brick_compression_pa": -2e6,
+        "bricks_above_strength": 1,
+    }
+    # a study takes it
+    assert record_of(history, "run", "point")["row"]["max_brick_compression_pa"] == -2e6
+    (line,) = warn_of_splitting(history)
+    assert "1 brick would split at 1.5 MPa" in line and "t = 0.30 s" in line
+    assert tmp_path / "run_bricks.csv" in write_run_tables(history, tmp_path / "run")
+
+
+def test_bricks_below_their_strength_or_without_one(stressed):
+    strong, none = stressed(strength=2.1e6), stressed()
+    assert warn_of_splitting(strong) == warn_of_splitting(none) == []
+    assert [stress_measures(one)["bricks_above_strength"] for one in (strong, none)] == [0, None]
