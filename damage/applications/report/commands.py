@@ -142,9 +142,9 @@ def _export_curves(asked, runs, fits, intensity):
     """Write fragility curves where --export says."""
     if asked.export is None:
         return
-    from damage.applications.report.curves import left_out, write_curves
+    from damage.applications.report.curves import without_nrml, write_curves
 
-    for line in (*write_curves(fits, asked.export, _periods(runs, intensity)), *left_out(fits)):
+    for line in (*write_curves(fits, asked.export, _periods(runs, intensity)), *without_nrml(fits)):
         print(line)
 
 

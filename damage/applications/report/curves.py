@@ -233,28 +233,13 @@ def write_curves(fits, folder, eigen_period_s):
     return [path for path in paths if path]
 
 
-def left_out(fits):
-    """Lines about curves {wall: [Fragility]} that no file has as lognormal ones, and why."""
-    lines = [
-        f"{wall}, {one.state}: a step, no lognormal curve: no run exceeds it up to"
-        f" {one.step[0]:.3g} {unit_of(one.intensity)[1]}, all do from {one.step[1]:.3g} on;"
-        " exported as these bounds of the median; beside another level of its measure NRML has it"
-        " with their common dispersion"
-        for wall, ones in fits.items()
-        for one in ones
-        if one.step
+def without_nrml(fits):
+    """Lines on intensities of curves {wall: [Fragility]} that OpenQuake has no name for."""
+    intensities = {one.intensity for ones in fits.values() for one in ones}
+    return [
+        f"no NRML by {name}: OpenQuake has no name for this intensity"
+        for name in sorted(intensities - set(_TYPES))
     ]
-    lines += [
-        f"{wall}, {one.state}: no curve: {one.n_exceeding} of {one.n_runs} runs exceed it,"
-        f" {one.why}"
-        for wall, ones in fits.items()
-        for one in ones
-        if not np.isfinite(one.median)
-    ]
-    odd = sorted(
-        {one.intensity for ones in fits.values() for one in ones if one.intensity not in _TYPES}
-    )
-    return lines + [f"no NRML by {name}: OpenQuake has no name for this intensity" for name in odd]
 
 
 def coefficients(fits):

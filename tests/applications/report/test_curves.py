@@ -15,7 +15,6 @@ from test_fragility import GRADES, MODERATE, SLIGHT, graded, made, walls
 from damage.applications.report.curves import (
     NAMESPACE,
     coefficients,
-    left_out,
     limit_state,
     write_curves,
     write_nrml,
@@ -43,7 +42,7 @@ OPENQUAKE_NEEDS = (
 
 
 MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)
-NEVER, STEP = made(0.1, np.nan, np.nan, why="for a reason"), made(0.1, 0.4, 0.0, step=(0.35, 0.45))
+STEP = made(0.1, 0.4, 0.0, step=(0.35, 0.45))
 STATES = f"{{{NAMESPACE}}}limitStates"
 
 
@@ -92,7 +91,6 @@ def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
     row = coefficients({"w": [STEP]}).iloc[0]
     assert row["distribution"] == "step" and np.isnan([row["median"], row["dispersion"]]).all()
     assert (row["step_low"], row["step_high"]) == (0.35, 0.45)
-    assert len(left_out({"w": [MILD, STEP, NEVER]})) == 2
 
 
 def test_coefficients_are_those_of_the_curves():
