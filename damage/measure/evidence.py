@@ -286,12 +286,12 @@ QUANTITIES = (
     ),
     Quantity(
         "shear failures of brittle joints",
-        "{range} of all failures: walls that rock. Softening joints: also walls that shear",
+        "{range}: walls that rock. Softening joints: also walls that shear",
         "[laboratory](../validation/laboratory.md)",
         "brittle joints underestimate the peak of shear walls by a quarter",
         _shear_share,
         most=50.0,
-        unit="%",
+        unit="% of failed contact points",
         size=PERCENT,
     ),
     Quantity(

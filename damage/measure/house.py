@@ -9,7 +9,10 @@ from damage.house.placing import FACES
 from damage.measure.cracks import PSI_FROM, psi_history, psi_summary
 from damage.measure.damage_index import index_columns
 from damage.measure.energy import energy_measures
-from damage.units import MILLIMETRE, rounded
+from damage.measure.results import CORNERS as CORNER_RESULTS
+from damage.measure.results import RESULTS, line_of, result_of, table_of, value_in
+from damage.measure.results import WALLS as WALL_COLUMNS
+from damage.units import MILLIMETRE
 
 _OF = "only of a wall of a house: "
 WALLS = {
@@ -159,43 +162,19 @@ def house_summary(history, walls):
 def describe(found):
     """A `house_summary` as lines for people: walls, corners and energy."""
     end = found["collapsed_at_s"]
+    walls = {
+        name: {column: value_in(summary, column) for column in WALL_COLUMNS}
+        for name, summary in found["walls"].items()
+    }
     lines = [
         f"house {found['house']} / {found['motion']}: {found['status']}"
         + ("" if end is None else f", collapsed at {end:.2f} s"),
-        f"{'':20s}{'maximum':>8s}{'residual':>9s}{'drift [%]':>16s}{'Psi':>15s}{'widest':>8s}",
-        f"{'wall':20s}{'DI':>8s}{'DI':>9s}{'along':>8s}{'across':>8s}{'outside':>8s}{'inside':>7s}"
-        f"{'[mm]':>8s}",
+        *table_of(walls, {column: result_of(column) for column in WALL_COLUMNS}),
+        *(table_of(found["corners"], CORNER_RESULTS) if found["corners"] else []),
+        *([f"{found['failed_ties']} ties failed"] if found["failed_ties"] else []),
+        *(
+            line_of(RESULTS[column], found[column])
+            for column in ("input_energy_j", "dissipated_energy_j", "energy_error_fraction")
+        ),
     ]
-    for name, one in found["walls"].items():
-        residual = "-" if one["residual"] is None else f"{one['residual']['DI']:.3f}"
-        drift = [100 * one[f"max_drift_{way}ratio"] for way in ("", "across_")]
-        cracks = [one[f"max_{name}"] for name in ("psi_outside", "psi_inside", "crack_width_mm")]
-        numbers = [f"{value:.3f}" for value in drift] + [rounded(value, 2) for value in cracks]
-        lines.append(
-            f"{name[:19]:20s}{one['max']['DI']:8.3f}{residual:>9s}"
-            + "{:>8s}{:>8s}{:>8s}{:>7s}{:>8s}".format(*numbers)
-        )
-    if found["corners"]:
-        lines.append(
-            f"{'corner':20s}{'opening [mm]':>14s}{'at the end':>12s}{'offset [mm]':>13s}"
-            f"{'failed [%]':>12s}"
-        )
-    for name, one in found["corners"].items():
-        numbers = [
-            rounded(one[key], 2)
-            for key in ("max_opening_mm", "residual_opening_mm", "max_offset_mm")
-        ]
-        lines.append(
-            f"{name:20s}"
-            + "{:>14s}{:>12s}{:>13s}".format(*numbers)
-            + f"{100 * one['failed_share']:12.0f}"
-        )
-    if found["failed_ties"]:
-        lines.append(f"{found['failed_ties']} ties failed")
-    error = found["energy_error_fraction"]
-    lines.append(
-        f"of {rounded(found['input_energy_j'], 2)} J supplied, friction and fracture dissipated"
-        f" {rounded(found['dissipated_energy_j'], 2)} J"
-        + ("" if error is None else f"; balance error {100 * error:.3f} % of the input")
-    )
     return "\n".join(lines)

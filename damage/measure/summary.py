@@ -102,7 +102,8 @@ def summarise(
     max: maximum of each component over the run, not at one time; residual: the index in the last
     state of the settling stage, or at collapse, None where the run is not complete;
     max_accumulated, residual_shear_limit and so on: by the other criteria; warnings: conditions
-    under which results are doubtful (`damage.measure.warnings`); evidence: which quantities are
+    under which results are doubtful (`damage.measure.warnings`); threshold_mm, drift_limit_pct,
+    contact_points: what components of the index and failures are of; evidence: which quantities are
     inside the range of validity (`damage.measure.evidence`).
 
     Raises InputError where the history has no sample.
@@ -114,7 +115,16 @@ def summarise(
         for kind in ("max", "residual")
     }
     index |= {kind: None for kind in index if kind.startswith("residual") and not history.complete}
-    return numbers | index | {"warnings": warnings_of(history)}
+    return (
+        numbers
+        | index
+        | {
+            "threshold_mm": threshold / MILLIMETRE,
+            "drift_limit_pct": 100 * drift_limit,
+            "contact_points": len(history.joints),
+            "warnings": warnings_of(history),
+        }
+    )
 
 
 def evidence_of(history):

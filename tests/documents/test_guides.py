@@ -114,7 +114,7 @@ def follow(name, clone, folder=None, after_first=None):
 
 @pytest.mark.long
 def test_the_first_wall_and_what_it_left(clone):
-    assert "maximum, shear limit" in follow("first-wall", clone)
+    assert "of a drift ratio of 2 %" in follow("first-wall", clone)
     assert damage.read_history(clone / "first.h5").complete
     assert (clone / "first" / "wall_max.png").stat().st_size > 10_000
     output = follow("reading-results", clone)
@@ -141,7 +141,7 @@ def test_a_wall_and_a_study_of_ones_own(clone):
 def test_a_wall_that_was_cracked_before(clone):
     wall = next(text for language, text in blocks("own-wall") if language == "python")
     (clone / "walls/two_windows.py").write_text(wall, encoding="utf-8")
-    assert "settlement: angular distortion 0.000333" in follow("groningen", clone)
+    assert re.search(r"angular distortion +0.000333", follow("groningen", clone))
     settled, shaken = (damage.read_history(clone / f"{name}.h5") for name in ("settled", "shaken"))
     assert shaken.broken[0].sum() == settled.broken[-1].sum() > 0
     assert damage.read_history(clone / "cracked.h5").parameters["cracked"]["file"] == "survey.csv"

@@ -1,6 +1,8 @@
 """A joint ends where its faces no longer overlap: YADE, where bricks have faces, beside the
 reference solver."""
 
+import re
+
 import numpy as np
 import pytest
 from conftest import wall_file
@@ -48,7 +50,7 @@ def test_a_brick_that_is_pushed_off_a_pier_is_a_collapse(pushed, solver):
     summary = summarise(history)
     assert summary["ended_joints"] == 1 and 1 <= summary["max_offset_over_overlap"] < 1.05
     assert summary["max_opening_mm"] < 3.0
-    assert "joints that ended, as their faces no longer overlapped: 1" in said
+    assert re.search(r"^ended joints +1 +whose faces no longer overlap$", said, re.MULTILINE)
     assert "1 joint ended, the bed joint at x = 0.03 m, z = 0.15 m (t = 0.1" in said
     joint = np.flatnonzero(history.joints["first_body"] == 1)
     then = int(np.argmax(history.ended[:, joint[0]]))

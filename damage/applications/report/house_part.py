@@ -1,28 +1,10 @@
 """Part of the page on a house: its walls in one table and in pictures, corners, energies."""
 
 from damage.applications.report.packing import as_png
-from damage.applications.report.tables import cell
 from damage.draw.house import elevation_picture, space_picture, walls_picture
 from damage.draw.words import run_title
 from damage.measure.house import house_summary
-
-WALLS = (
-    ("maximum DI", ("max", "DI"), 1.0),
-    ("residual DI", ("residual", "DI"), 1.0),
-    ("drift along [%]", ("max_drift_ratio",), 100.0),
-    ("drift across [%]", ("max_drift_across_ratio",), 100.0),
-    ("Psi outside", ("max_psi_outside",), 1.0),
-    ("Psi inside", ("max_psi_inside",), 1.0),
-    ("widest crack outside [mm]", ("max_crack_width_outside_mm",), 1.0),
-    ("inside [mm]", ("max_crack_width_inside_mm",), 1.0),
-)
-"""(heading, keys of a wall's summary, factor)."""
-CORNERS = {
-    "max_opening_mm": "widest opening [mm]",
-    "residual_opening_mm": "at the end [mm]",
-    "max_offset_mm": "largest offset [mm]",
-    "failed_share": "failed bonds [share]",
-}
+from damage.measure.results import CORNERS, WALLS, result_of, value_in
 
 
 def house_part(history, summaries):
@@ -50,14 +32,15 @@ def house_part(history, summaries):
         "title": run_title(history),
         "file": history.path.name,
         "status": found["status"],
-        "heads": [name for name, _, _ in WALLS],
+        "heads": [result_of(column).heading for column in WALLS],
         "walls": [
-            (name, [cell(_at(one, keys, factor)) for _, keys, factor in WALLS])
+            (name, [_cell(result_of(column), value_in(one, column)) for column in WALLS])
             for name, one in summaries.items()
         ],
-        "corner_heads": list(CORNERS.values()),
+        "corner_heads": [result.heading for result in CORNERS.values()],
         "corners": [
-            (name, [cell(one[key]) for key in CORNERS]) for name, one in found["corners"].items()
+            (name, [_cell(result, one[key]) for key, result in CORNERS.items()])
+            for name, one in found["corners"].items()
         ],
         "pictures": [
             (as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures
@@ -66,8 +49,6 @@ def house_part(history, summaries):
     }
 
 
-def _at(summary, keys, factor):
-    """A value of a summary by its keys times a factor, None where there is none."""
-    for key in keys:
-        summary = None if summary is None else summary[key]
-    return None if summary is None else factor * summary
+def _cell(result, value):
+    """A value of a Result as a cell of the page: (text, number or None)."""
+    return result.shown(value), None if value is None else repr(float(result.factor * value))

@@ -9,7 +9,7 @@ from damage.applications.report.plain import plain
 from damage.applications.studies.spread import members_in_words, members_of, spread
 from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, pictures_beside, wall_picture
-from damage.draw.style import BODY_COLOURS, drift_scale
+from damage.draw.style import BODY_COLOURS
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
 from damage.history.info import info
@@ -24,9 +24,10 @@ from damage.history.schema import is_moving
 from damage.index import COMPONENTS
 from damage.measure.energy import energy_groups
 from damage.measure.evidence import QUANTITIES, describe
+from damage.measure.results import KEY, SCALES, result_of, value_in
 from damage.measure.summary import summarise
 from damage.measure.tables import summary_row
-from damage.units import GRAVITY, rounded
+from damage.units import GRAVITY
 from damage.wall.geometry import cuts_of_lintels, kinds_of_bodies, tributary_ends
 
 MICROMETRE = 1e-6
@@ -52,8 +53,9 @@ def run_part(history, letter, language="en"):
         "evidence": _evidence(summary["evidence"]),
         "row": row,
         "info": info(history),
-        "plain": plain(history, summary, row, members_of(history), language),
-        "key": _key_numbers(history, summary, index),
+        "plain": plain(history, summary, row, language),
+        "key": _key_numbers(history, summary),
+        "scales": SCALES,
         "still": still(history),
         "preview": preview(history),
         "beside": {name: as_png(draw(history)) for name, draw in pictures_beside(history).items()},
@@ -125,93 +127,21 @@ def said_first(history, warnings=()):
     return [*lines, *warnings]
 
 
-def _key_numbers(history, summary, index):
-    """(name, value or None, the value in the digits that are known, unit, what else is said) of
-    what one asks first; of a run with members their median and range, too."""
+def _key_numbers(history, summary):
+    """(label, value, the value in the digits that are known, unit, what else is said) of what one
+    asks first; of a run with members their median and range, too."""
     table = members_of(history)
-    found = {} if table is None else spread(table)
-
-    def of_members(name):
-        return (
-            f"; {found['count']} members: {members_in_words(found, name)}" if name in found else ""
-        )
-
-    time_s, drift = (history.series[name].to_numpy() for name in ("time_s", "drift_ratio"))
-    (factor, unit), residual = drift_scale(drift), summary["residual"]
-    found_here = [
-        (
-            "Maximum DI",
-            summary["max"]["DI"],
-            None,
-            "",
-            f"at {time_s[int(np.argmax(index['DI']))]:.3f} s{of_members('max_DI')}",
-        ),
-        (
-            "Residual DI",
-            residual and residual["DI"],
-            None,
-            "",
-            f"at the end{of_members('residual_DI')}" if residual else "no end, no residual",
-        ),
-        (
-            "Largest drift",
-            factor * summary["max_drift_ratio"],
-            3,
-            unit,
-            (
-                f"at {time_s[int(np.argmax(np.abs(np.nan_to_num(drift))))]:.3f}"
-                f" s{of_members('max_drift_ratio')}"
-            ),
-        ),
-        (
-            "Widest crack",
-            summary["max_crack_width_mm"],
-            2,
-            "mm",
-            (
-                f"opening and offset together, {summary['crack_width_class']}"
-                f" (Burland){of_members('max_crack_width_mm')}"
-            ),
-        ),
-        (
-            "Psi",
-            summary["max_psi"],
-            2,
-            "",
-            f"{summary['psi_class']} (Korswagen){of_members('max_psi')}",
-        ),
-        (
-            "Largest base shear",
-            summary["peak_base_shear_n"] / 1e3,
-            3,
-            "kN",
-            of_members("peak_base_shear_n").removeprefix("; "),
-        ),
-    ]
-    if summary["settled_psi"] is not None:
-        found_here.append(
-            (
-                "Psi after the settlement",
-                summary["settled_psi"],
-                2,
-                "",
-                (
-                    f"widest crack {rounded(summary['settled_crack_width_mm'], 2)} mm, DI"
-                    f" {summary['settled_DI']:.3f}, angular distortion"
-                    f" {rounded(summary['angular_distortion'], 2)}{of_members('settled_psi')}"
-                ),
-            )
-        )
-    return [
-        (
-            name,
-            value,
-            None if value is None else f"{value:.3f}" if digits is None else rounded(value, digits),
-            # digits as on the screen (`damage.run.report`)
-            *rest,
-        )
-        for name, value, digits, *rest in found_here
-    ]
+    members = {} if table is None else spread(table)
+    cards = []
+    for column in (*KEY, "settled_psi"):
+        result, value = result_of(column), value_in(summary, column)
+        if value is not None:
+            more = [result.of.format(**summary, whole="")]
+            if column in members:
+                more.append(f"{members['count']} members: {members_in_words(members, column)}")
+            number, shown = result.factor * value, result.shown(value)
+            cards.append((result.label, number, shown, result.unit, "; ".join(filter(None, more))))
+    return cards
 
 
 # --- what is drawn --------------------------------------------------------------------------------
@@ -327,7 +257,7 @@ def _moving_wall(history, chosen):
 
 def in_words(part):
     """{drawing: what it shows, for who cannot see it}."""
-    history, summary, shown = part["history"], part["summary"], part["drawn"]
+    history, shown = part["history"], part["drawn"]
     series = history.series
     shear_kn = series["base_shear_n"] / 1e3
     drift_pct = 100 * series["drift_ratio"]
@@ -340,17 +270,11 @@ def in_words(part):
             f"Moving drawing of the {history.wall} wall, {history.attributes['length_m']:g} m long"
             f" and {history.attributes['height_m']:g} m high. Of its {shown['n_joints']} contact"
             f" points {shown['n_ever']} break in this run, {shown['n_elastic']} are elastic and"
-            f" cannot fail; the widest crack has {summary['max_crack_width_mm']:.3g} mm; the"
-            f" maximum DI is {summary['max']['DI']:.3f} at {shown['at_max']:.3f} s. The line below"
-            " says what it shows."
+            f" cannot fail. DI is largest at {shown['at_max']:.3f} s. The line below says what it"
+            " shows."
         ),
         "hysteresis": f"Base shear against drift ratio: {spans}.",
-        "energy": (
-            f"Energies over time: supplied {summary['input_energy_j']:.3g} J at the end, friction"
-            f" took {summary['friction_energy_j']:.3g} J, fracture"
-            f" {summary['fracture_energy_j']:.3g} J, damping before settling"
-            f" {summary['damping_energy_j']:.3g} J."
-        ),
+        "energy": "Energies over time; a table below has them at the end.",
     }
 
 

@@ -7,6 +7,7 @@ from numbers import Number
 from damage.history.info import flat, given
 from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
+from damage.measure.damage_index import CRITERIA
 from damage.measure.energy import imbalance, known_energies
 from damage.measure.summary import MEASURES
 from damage.units import rounded
@@ -24,6 +25,10 @@ ENERGIES = {
     "fracture_energy_j": "dissipated by fracture",
     "damping_energy_j": "dissipated by damping, that of settling included",
 }
+OTHER_CRITERIA = tuple(
+    f"{kind}_{prefix}" for kind in ("max", "residual") for prefix in filter(None, CRITERIA.values())
+)
+"""Beginnings of columns by other criteria of slip than that of the run's results."""
 LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
 """Between them numbers are written without an exponent."""
 COLUMNS = {
@@ -70,7 +75,8 @@ def measures(parts):
             [
                 _row(name, [row.get(name) for row in rows])
                 for name in each(columns)
-                if any(row.get(name) is not None for row in rows)
+                if not name.startswith(OTHER_CRITERIA)
+                and any(row.get(name) is not None for row in rows)
             ],
         )
         for section, columns in SECTIONS.items()

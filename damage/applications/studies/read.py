@@ -99,9 +99,9 @@ def describe_table(table):
     name where both are wider than a terminal."""
     columns = {
         "max_DI": "DI",
-        "max_DI_drift": "drift",
-        "max_DI_open": "open",
-        "max_DI_slip": "slip",
+        "max_DI_drift": "DI_drift",
+        "max_DI_open": "DI_open",
+        "max_DI_slip": "DI_slip",
         "residual_DI": "residual",
     }
     width, below = max(len("run"), *table["run"].str.len()), ""

@@ -11,19 +11,8 @@ import numpy as np
 
 from damage.applications.studies.read import read_table
 from damage.errors import InputError
+from damage.measure.results import KEY, result_of
 from damage.measure.tables import summary_row
-from damage.units import rounded
-
-SHOWN = {
-    "max_DI": ("maximum DI", 1.0, "", None),
-    "residual_DI": ("residual DI", 1.0, "", None),
-    "max_drift_ratio": ("drift ratio", 100.0, " %", 3),
-    "max_crack_width_mm": ("widest crack", 1.0, " mm", 2),
-    "max_psi": ("Psi", 1.0, "", 2),
-    "peak_base_shear_n": ("base shear", 1e-3, " kN", 3),
-}
-"""{column: (name, factor, unit, significant digits)} of the measures whose median and range are
-shown; None for three decimals in place of significant digits."""
 
 
 def repeated(table):
@@ -49,7 +38,7 @@ def members_of(history):
     if not path.is_file():
         return None
     try:
-        table = read_table(path, [*SHOWN, "seed", "scatter", "collapsed_at_s"])
+        table = read_table(path, [*KEY, "seed", "scatter", "collapsed_at_s"])
     except InputError:
         return None
     own = summary_row(history)
@@ -61,7 +50,7 @@ def members_of(history):
             atol=0,
             equal_nan=True,
         )
-        for name in SHOWN
+        for name in KEY
     )
     return table if same else None
 
@@ -70,9 +59,9 @@ def spread(table):
     """Median and range over the members of a table, a plain dictionary.
 
     count: number of members; collapsed, repeated: how many of them collapsed, or were repeated in
-    smaller steps; and for each column of SHOWN that has values {"median", "min", "max"}.
+    smaller steps; and for each column of KEY that has values {"median", "min", "max"}.
     """
-    values = table[list(SHOWN)].astype(float).agg(["median", "min", "max"]).dropna(axis="columns")
+    values = table[list(KEY)].astype(float).agg(["median", "min", "max"]).dropna(axis="columns")
     return {
         "count": len(table),
         "collapsed": int(table["collapsed_at_s"].notna().sum()),
@@ -88,19 +77,16 @@ def describe_spread(spread):
     return [
         f"{spread['count']} members{of_them}: median (min to max)",
         *(
-            f"  {SHOWN[name][0]:14s}{members_in_words(spread, name)}"
-            for name in SHOWN
+            f"  {result_of(name).label:14s}{members_in_words(spread, name)}"
+            for name in KEY
             if name in spread
         ),
     ]
 
 
 def members_in_words(spread, name):
-    """Text: median and range of one column of SHOWN, with its unit; spread: the result of
+    """Text: median and range of one column of KEY, with its unit; spread: the result of
     `spread`."""
-    _, factor, unit, digits = SHOWN[name]
-    middle, least, most = (
-        f"{value:.3f}" if digits is None else rounded(value, digits)
-        for value in (factor * spread[name][of] for of in ("median", "min", "max"))
-    )
-    return f"{middle} ({least} to {most}){unit}"
+    result, found = result_of(name), spread[name]
+    middle, least, most = (result.shown(found[kind]) for kind in ("median", "min", "max"))
+    return f"{middle} ({least} to {most}) {result.unit}".rstrip()
