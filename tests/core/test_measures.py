@@ -2,6 +2,8 @@
 
 Bricks are 0.225 m long and laid half over half."""
 
+import re
+
 import numpy as np
 import pandas as pd
 import pytest

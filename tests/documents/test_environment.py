@@ -5,7 +5,7 @@ import shutil
 import sys
 
 import pytest
-from conftest import REPOSITORY, run_command, script_file
+from conftest import BATCH, REPOSITORY, run_command, script_file
 
 TOOLS = ("bash", "cat", "dirname", "env", "grep", "mktemp", "rm", "tail")
 MODULES = ("numpy", "scipy", "pandas", "h5py", "matplotlib", "numba", "jinja2")
@@ -47,3 +47,15 @@ def test_bad_command_lines_of_run_all_get_one_line_and_status_2(words, printed):
     done = run_command(REPOSITORY / "run_all.sh", *words, env=environment, timeout=120)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(f"error: {printed}") and done.stderr.count("\n") == 1
+
+
+def test_run_all_and_the_command_study_have_one_default_solver(tmp_path):
+    """And both print the command that runs the study in the other one."""
+    words = "quick", "--dry-run", "--out", str(tmp_path)
+    environment = {**os.environ, "MASONRY_NO_INSTALL": "1", "PYTHON": sys.executable}
+    plans = [
+        run_command(*command, *words, env=environment, cwd=REPOSITORY, status=0).stdout
+        for command in ([REPOSITORY / "run_all.sh"], BATCH)
+    ]
+    assert plans[0] == plans[1] and "solver: reference\n" in plans[0]
+    assert f"--out {tmp_path} --solver yade\n" in plans[0]

@@ -27,7 +27,7 @@ from damage.applications.studies.folder import (
     way_on,
 )
 from damage.applications.studies.outdated import Results
-from damage.applications.studies.plan import print_plan
+from damage.applications.studies.plan import print_plan, solver_lines
 from damage.applications.studies.pool import Pool
 from damage.applications.studies.read import describe_table, read_table
 from damage.applications.studies.records import NAME, line_of
@@ -56,7 +56,7 @@ def run_study(arguments, lock=None):
     if asked.solver != "reference" and not (ROOT / "yade_scripts").is_dir():
         raise InputError(
             f"--solver {asked.solver}: YADE's programs are in a clone of the repository only,"
-            " beside YADE; expected --solver reference, or ./run_all.sh in a clone"
+            " beside YADE; leave --solver out, or give ./run_all.sh in a clone"
         )
     return run_one(asked, study_path(asked.study), lock)
 
@@ -200,8 +200,10 @@ class Batch:
         verdict = results.judge(self.runs)
         said = results.bring_up_to_date(verdict, self.asked.remake)
         print(
-            f"{self.what}{': ' if self.study.title else ''}{self.study.title}\n"
+            f"{self.what}{': ' if self.study.title else ''}{self.study.title}",
             f"{self.unit}: {len(self.runs)}, {self.asked.jobs} at a time, into {self.folder}",
+            *solver_lines(self.study, self.folder),
+            sep="\n",
             flush=True,
         )
         self.points = {

@@ -271,7 +271,7 @@ class Study:
                 )
 
 
-def load_study(path, solver="yade", root=None):
+def load_study(path, solver="reference", root=None):
     """Read and check the study file at `path`, with the options of every run.
 
     solver: "yade", "reference", or "both", which makes every run twice; root: the repository, where

@@ -27,6 +27,8 @@ def print_plan(study, folder, remake=False):
     fewest = sum(run.members for run in left)
     most = sum(run.most_members for run in left)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
+    print(*solver_lines(study, folder), sep="
+")
     warn(*verdict.lintels)
     for run in study.runs:
         print(f"  {run.id:60s}  {_state(run, there[run])}")
@@ -35,6 +37,17 @@ def print_plan(study, folder, remake=False):
         f"runs to make: {'up to ' if most != fewest else ''}{most}, into {folder}",
         flush=True,
     )
+
+
+def solver_lines(study, folder):
+    """Lines on the solvers of a Study: which runs it, and the command that runs it in the other."""
+    chosen = {run.solver for run in study.runs}
+    lines = [f"solver: {' and '.join(sorted(chosen))}"]
+    for other in sorted({run.solver for run in study.of_both} - chosen):
+        cost = "a fiftieth of" if other == "reference" else "50 times"
+        command = command_of(study.path, folder, ["--solver", other])
+        lines.append(f"in {other}, a run in about {cost} the time: {command}")
+    return lines if (ROOT / "yade_scripts").is_dir() else lines[:1]
 
 
 def unfinished(folder):
