@@ -1,5 +1,5 @@
-"""The results by which a run is told: on the screen, in a report, of its members, and of the walls
-and corners of a house.
+"""The results of a run that the screen and a report show, of its members, and of the walls and
+corners of a house.
 
 Each has one label, one unit and one denominator everywhere.
 """
@@ -19,7 +19,7 @@ SCALES = (
 
 
 class Result(NamedTuple):
-    """How a result is told.
+    """How a result is shown.
 
     unit: of its values times factor; digits: how many significant ones are known, 0 of a count,
     None for three decimals; of: what a share is of, or what else belongs to the value, a template

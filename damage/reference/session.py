@@ -31,8 +31,6 @@ from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path
 
 PROG = "python3 -m damage reference"
-STATIC_S = 1.0
-"""What a run takes to come to rest before time zero, about [s]."""
 
 
 def _make(layout, time_step, settings):
@@ -99,7 +97,7 @@ def run_references(
 
     def watched(keep_going, name):
         def go_on(run, time_s):
-            watch(name, _share(run, time_s))
+            watch(name, run.share)
             return keep_going(run, time_s)
 
         return go_on
@@ -119,15 +117,6 @@ def run_references(
             if status == EXIT_INTERRUPTED:
                 interrupted.append(names[number])
             yield names[number], status
-
-
-def _share(run, time_s):
-    """How much of a run is simulated, its static stage included."""
-    if run.stage == "static":
-        since = min(time_s, STATIC_S)
-    else:  # bricks are followed beyond the last motion
-        since = STATIC_S + min(max(time_s, 0.0), run.duration_s)
-    return since / (STATIC_S + run.duration_s)
 
 
 def _run(name, line, histories, settled, keep_going):

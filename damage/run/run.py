@@ -94,6 +94,21 @@ class Run:
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
 
     @property
+    def share(self):
+        """Share of the work that is done since the static stage."""
+        if self.stage == "static":
+            return 0.0
+        is_over = self.collapsed_at_s is not None
+        return 1.0 if is_over else self._work(self.solver.clock) / self._work(math.inf)
+
+    def _work(self, clock):
+        """Work of the steps since the static stage up to a clock, in steps of a motion."""
+        weight = schedule.settlement_work(self.layout.n_joints)
+        steps = min(clock, self.stages[-1].end_step)
+        settling = min(clock, self._zero_step)
+        return steps + (weight - 1.0) * settling * bool(self.solver.stretch_samples)
+
+    @property
     def time(self):
         """Since the start of the static stage in that stage, then since time zero, at which the
         first motion starts; negative while the ground settles [s]."""

@@ -41,6 +41,7 @@ from damage.run.cooperative import take_turns
 from damage.run.initial_state import read_state, without_bond
 from damage.run.monitor import DROP, FAILURE
 from damage.run.options import RUN_MEMBERS, parse_run
+from damage.run.pace import Pace, time_left
 from damage.run.paths import free_name
 from damage.run.report import check_pictures, report
 from damage.run.run import Run
@@ -490,38 +491,25 @@ class Progress:
         self.label, self.several = label, several
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
-        self.shown, self.shown_any = time.monotonic(), False
-        self.started = None  # when the first stage after the static one began
+        self.shown, self.shown_any, self.pace = time.monotonic(), False, Pace()
 
     def show(self, simulated_s, run):
         """Show the stage and the index of a Run, at most twice a second (every ten seconds in a
         log)."""
-        now, stage = time.monotonic(), run.stage
-        if stage != "static":
-            self.started = self.started or now
+        now, share = time.monotonic(), run.share
+        self.pace.note(share)
         if now - self.shown < (0.5 if self.live else 10.0):
             return
         self.shown, self.shown_any = now, True
-        line = f"{self.label}  static stage, t = {simulated_s:.2f} s"
-        if stage != "static":
+        left = "" if self.several else f", {time_left(self.pace.left_s(1.0 - share))}"
+        line = f"{self.label}  static stage, t = {simulated_s:.2f} s{left}"
+        if run.stage != "static":
             line = (
-                f"{self.label}  {stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
-                f"DI = {run.index:.3f}  {self._left(now, simulated_s, run.duration_s)} left"
+                f"{self.label}  {run.stage:8s} t = {simulated_s:6.2f} of {run.duration_s:.2f} s  "
+                f"DI = {run.index:.3f}{left}"
             )
         room = shutil.get_terminal_size().columns - 1  # a line that is wider is not written over
         self._write(f"\r{line[:room]}\033[K" if self.live else f"{line}\n")
-
-    def _left(self, now, simulated_s, duration_s):
-        """Time left for a run of this length [s], by what it has simulated so far."""
-        share = (
-            min(max(simulated_s, 0.0), duration_s) / duration_s
-            if duration_s and not self.several
-            else 0.0
-        )
-        if share < 0.01:
-            return "--:--"
-        left = int((now - self.started) * max(0.0, 1 / share - 1))
-        return f"{left // 60}:{left % 60:02d}"
 
     def close(self):
         """End the live line."""

@@ -240,6 +240,17 @@ def test_gravity_comes_in_whole_steps_and_stays(run_through):
     assert_allclose(ramps[-1], [GRAVITY])
 
 
+def test_the_share_of_a_run_grows_with_its_steps_while_the_ground_settles_too(run_through):
+    shares = []
+    run_through(
+        [*SHAKEN, "--settle", "knick", "--distortion", "0.001"],
+        keep_going=lambda run, time_s: shares.append((run.stage, run.share)) or True,
+    )
+    settling = [share for stage, share in shares if stage == "settlement"]
+    assert len(settling) > 2 and np.ptp(settling) > 0.2 and np.diff(settling).min() > 0
+    assert [share for _, share in shares] == sorted(share for _, share in shares)
+
+
 def test_settling_is_damped_and_the_motion_is_not(run_through):
     _, _, fake, _ = run_through("--rest 0.1 --beta 1e-6", solver="reference")
     assert [how for how in fake.log if isinstance(how, dict)] == [

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from damage.applications.studies.cost import DRAWING, RUN, TABLES, cost_of
 from damage.applications.studies.definition import CONCLUSION, load_study
 from damage.applications.studies.folder import (
     RESULTS,
@@ -37,6 +38,7 @@ from damage.applications.studies.worker import work
 from damage.arguments import OneLineParser, file_path, number_from
 from damage.errors import InputError, did_you_mean, some_of, warn
 from damage.files import is_there, shipped_files
+from damage.run.pace import Pace, time_left
 from damage.start import EXIT_INTERRUPTED
 
 
@@ -226,8 +228,8 @@ class Batch:
 
         file: open file of records; inputs: {StudyRun: (key of its inputs, these as JSON)}.
         """
-        self._began, self._there_before = time.monotonic(), self._done
-        self._said, self._runs_before = self._began, self._runs_done
+        self._said = time.monotonic()
+        self._paces = {solver: Pace() for solver in sorted({run.solver for run in self.runs})}
 
         def follow(task, record):
             """Write the record of a run; returns the tasks that follow."""
@@ -305,28 +307,39 @@ class Batch:
     def _runs_done(self):
         return sum(len(point.records) for point in self.points.values())
 
-    def _watch(self, under_way):
-        """Say now and then how far the runs are; under_way: as of Pool."""
-        now, done = time.monotonic(), self._runs_done
-        made = done - self._runs_before + under_way
-        runs = sum(one.run.runs_needed(one.records) for one in self.points.values())
-        # of a run: too little to say how long
-        if now < self._said + WATCH_S or made < max(0.1, runs / 1000):
+    def _watch(self, shares):
+        """Say now and then how far the runs are; shares: as of Pool."""
+        lefts = [self._left_s(solver, shares) for solver in self._paces]
+        if time.monotonic() < self._said + WATCH_S:
             return
-        self._said = now
-        left = (now - self._began) / made * (runs - done - under_way)
-        share = 100 * (done + under_way) / runs
-        say(f"{done} of {runs} runs, {share:.1f} % simulated; {clock(left)} left")
+        self._said = time.monotonic()
+        runs = sum(point.run.runs_needed(point.records) for point in self.points.values())
+        share = 100 * (self._runs_done + sum(shares.values())) / runs
+        left_s = None if None in lefts else sum(lefts)
+        say(f"{self._runs_done} of {runs} runs, {share:.1f} % simulated; {time_left(left_s)}")
+
+    def _left_s(self, solver, shares):
+        """Time [s] that is left of the runs in a solver and of their pictures, None where it is
+        not known; shares: as of Pool."""
+        done, least, most = 0.0, TABLES, TABLES
+        for point in self.points.values():
+            if point.run.solver != solver:
+                continue
+            cost = cost_of(point.run)
+            drawing = DRAWING * point.pictures
+            made = (cost + RUN) * len(point.records) + drawing * point.is_drawn
+            made += cost * sum(part for task, part in shares.items() if task.point is point.run)
+            done += made
+            least += (cost + RUN) * point.run.runs_needed(point.records) + drawing - made
+            most += (cost + RUN) * point.run.runs_at_most(point.records) + drawing - made
+        self._paces[solver].note(done)
+        return self._paces[solver].left_s(least, most)
 
     def _show(self, point):
         """Print that a point is done, and how far the study is."""
-        done, left = self._done, ""
-        if done < len(self.points):
-            pace_s = (time.monotonic() - self._began) / max(1, done - self._there_before)
-            left = f", {clock(pace_s * (len(self.points) - done))} left"
         say(
-            f"{point.run.id}: done\n{self.what}: {done} of {len(self.points)} {self.unit}"
-            f" simulated{left}"
+            f"{point.run.id}: done\n{self.what}: {self._done} of {len(self.points)} {self.unit}"
+            " simulated"
         )
 
     def _count(self):
@@ -370,12 +383,6 @@ class Batch:
                 f"failed: {what}; see {task.log}{last_words(task.log, task.name)}", file=sys.stderr
             )
         return 1 if failed else 0
-
-
-def clock(time_s):
-    """A time [s] in words, "about 1:05" of minutes and seconds."""
-    minutes, seconds = divmod(round(time_s), 60)
-    return f"about {minutes}:{seconds:02d}"
 
 
 def say(line):

@@ -186,6 +186,12 @@ class StudyRun:
             else self.members
         )
 
+    def runs_at_most(self, records):
+        """Number of runs that it may come to, from the results so far, as of `runs_needed`."""
+        needed = self.runs_needed(records)
+        is_settled = 1 in records and (needed == 1 or len(records) >= self.members)
+        return needed if is_settled or not self.adaptive else self.most_members
+
     def name(self, number):
         """Name of the run with this number, from 1."""
         return f"{self.id}_s{number}" if self.is_ensemble else self.id

@@ -27,8 +27,7 @@ def print_plan(study, folder, remake=False):
     fewest = sum(run.members for run in left)
     most = sum(run.most_members for run in left)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
-    print(*solver_lines(study, folder), sep="
-")
+    print(*solver_lines(study, folder), sep="\n")
     warn(*verdict.lintels)
     for run in study.runs:
         print(f"  {run.id:60s}  {_state(run, there[run])}")

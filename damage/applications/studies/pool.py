@@ -88,10 +88,10 @@ class Worker:
 class Pool:
     """So many processes that do tasks in the folder of a study."""
 
-    def __init__(self, jobs, work, lock, folder, say, watch=lambda runs: None):
+    def __init__(self, jobs, work, lock, folder, say, watch=lambda shares: None):
         """work: what each of them does, `damage.applications.studies.worker.work`; lock: descriptor
-        that solvers hold as long as they run; say(line): prints a line; watch(runs): gets now and
-        then how much of the runs under way is simulated, in runs."""
+        that solvers hold as long as they run; say(line): prints a line; watch(shares): gets now
+        and then {task of a run under way: share that is simulated}."""
         self._watch = watch
         self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say
         self.interrupted = self.short = False  # ended by a signal; in want of room
@@ -168,7 +168,7 @@ class Pool:
         for task, *ended in sent:
             if task is None and ended[0] is None:
                 worker.shares = ended[1]
-                self._watch(self._under_way)
+                self._watch(self.shares)
             elif task is None:
                 self._say(ended[0])
             elif self.ended or ended[0] != EXIT_INTERRUPTED:  # else it ends, and the task with it
@@ -178,11 +178,14 @@ class Pool:
             self._waiting += self._bury(worker)
 
     @property
-    def _under_way(self):
-        """How much of the runs under way is simulated, in runs."""
-        return sum(
-            worker.shares.get(task.name, 0.0) for worker in self._workers for task in worker.tasks
-        )
+    def shares(self):
+        """{Task of a run under way: share that is simulated}."""
+        return {
+            task: worker.shares.get(task.name, 0.0)
+            for worker in self._workers
+            for task in worker.tasks
+            if task.kind == RUN
+        }
 
     def _hand_out(self):
         """Give tasks to processes that can take them."""

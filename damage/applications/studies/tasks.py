@@ -122,8 +122,8 @@ class Point:
 
     def __init__(self, run, results, keep, pictures):
         """results: `damage.applications.studies.outdated.Results` of the folder; keep: one of KEEP;
-        pictures: of the first run."""
-        self.run, self._folder, self._keep, self._pictures = run, results.folder, keep, pictures
+        pictures: whether those of its first run are made."""
+        self.run, self._folder, self._keep, self.pictures = run, results.folder, keep, pictures
         self._asked = set()
         self.records = {
             number: record
@@ -158,16 +158,16 @@ class Point:
         self._asked |= numbers
         return [self._task(number) for number in sorted(numbers)]
 
+    @property
+    def is_drawn(self):
+        """Whether the pictures of its first run are there."""
+        return self._task(1).pictures.is_dir()
+
     def next_pictures(self):
         """The task of its pictures, in a list, where the first run is done and they are not there;
         once."""
         task = replace(self._task(1), kind=PICTURES)
-        if (
-            not self._pictures
-            or 1 not in self.records
-            or PICTURES in self._asked
-            or task.pictures.is_dir()
-        ):
+        if not self.pictures or 1 not in self.records or PICTURES in self._asked or self.is_drawn:
             return []
         self._asked.add(PICTURES)
         return [task]

@@ -47,7 +47,7 @@ PATIENCE_S = 60.0
 SHARES_S = 2.0
 """Between two looks at how far runs are [s]."""
 # of damage.run.session.Progress
-_PROGRESS = re.compile(r"\bt = +([\d.]+) of ([\d.]+) s .* (\S+) left$")
+_PROGRESS = re.compile(r"\bt = +(-?[\d.]+) of ([\d.]+) s ")
 
 
 def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
@@ -261,7 +261,7 @@ def _run_yade_on(task, connection, lock, inputs):
         [*YADE, task.point.wall, *words_of(task.point.options_of(task.number) | _where(task))],
         task.folder,
         lock,
-        lambda text: connection.send((None, f"{task.name}: {text}", None)),
+        lambda share: connection.send((None, None, {task.name: share})),
     )
     if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
         task.part.unlink()
@@ -313,15 +313,12 @@ def _run_solver(command, folder, lock, announce):
 
 
 def _follow(lines, announce):
-    """Print a solver's lines; announce its progress at every tenth, or once a minute."""
-    shown_share, shown_at = 0, time.monotonic()
+    """Print a solver's lines; announce the share that is simulated."""
     for line in lines:
         print(line, end="")
         if (progress := _PROGRESS.search(line)) is not None:
-            share = round(100 * float(progress[1]) / max(float(progress[2]), 1e-9))
-            if share >= shown_share + 10 or time.monotonic() > shown_at + 60:
-                shown_share, shown_at = share, time.monotonic()
-                announce(f"{share} %, {progress[3]} left")
+            time_s, duration_s = map(float, progress.groups())
+            announce(max(0.0, time_s) / max(duration_s, 1e-9))
 
 
 def _draw(task):

@@ -51,7 +51,6 @@ from damage.applications.groningen.claim.likeness import (
 from damage.applications.groningen.claim.make import USUAL, USUAL_OPTIONS, describe, layout_of
 from damage.applications.groningen.claim.numbers import Likeness, answers
 from damage.applications.groningen.claim.sheet import in_words, sheet
-from damage.applications.groningen.claim.size import size_of
 from damage.applications.groningen.claim.twins import (
     BOTH,
     SHAKEN,
@@ -568,16 +567,6 @@ class TestOneFolder:
         assert "2 draws, not yet the answer" in capsys.readouterr().out
         assert make.steps_to(None) == make.STEPS and make.steps_to(8) == (2, 3, 8)
 
-    def test_the_pace_counts_no_draws_that_are_made_again(self, claimed, tmp_path):
-        def kept(folder):
-            return make._kept(folder, load_study(folder / "claim.toml", "reference"), False)
-
-        other = shutil.copytree(claimed, tmp_path / "out")
-        draws = kept(claimed)
-        path = other / "claim.toml"
-        written(path, path.read_text().replace("rest = 0.1", "rest = 0.2"))
-        assert draws >= 3 and kept(other) == 0
-
     def test_a_wall_that_was_edited_meanwhile_makes_no_sheet(
         self, claimed, tmp_path, capsys, monkeypatch
     ):
@@ -623,7 +612,7 @@ def test_the_size_of_a_draw_does_not_depend_on_their_number(tmp_path):
         (folder := tmp_path / str(draws)).mkdir()
         wall = REPOSITORY / "walls/variants/small.py"
         study = write_twins(folder, wall, address, USUAL_OPTIONS, {}, draws)
-        sizes.append(size_of(load_study(study, "reference", REPOSITORY)))
+        sizes.append(make.size_of(load_study(study, "reference", REPOSITORY)))
     assert sizes[0] == sizes[1]
 
 

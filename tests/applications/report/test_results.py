@@ -1,5 +1,5 @@
-"""A run is told by one list of results, each with its unit or what it is of, alike on the screen
-and in a report."""
+"""One list of results has the unit of each, or what it is of, alike on the screen and in a
+report."""
 
 import json
 import re

@@ -20,9 +20,8 @@ import pandas as pd
 from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_cracks
 from damage.applications.cracks.survey import read_survey
 from damage.applications.groningen.app.photo import cleaned, homography, rectified, turns
-from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS
+from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS, size_of
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
-from damage.applications.groningen.claim.size import size_of
 from damage.applications.groningen.claim.twins import write_twins
 from damage.applications.groningen.exposure.exposure import strongest
 from damage.applications.groningen.exposure.lives import draws_of
@@ -146,16 +145,13 @@ class Desk:
         return self.front(as_toml(table))
 
     def size(self, latitude, longitude, units=BRICKS):
-        """How large the claim would be and about how long it takes: {"contact_points", "steps",
-        "draws", "minutes": [least, most]}."""
+        """How large the claim would be: {"contact_points", "steps", "draws"}."""
         with TemporaryDirectory() as folder:
             place = {"latitude": latitude, "longitude": longitude}
             house = str(self._given(HOUSE, "the front"))
             options = USUAL_OPTIONS | {"units": _units(units)}
             study = write_twins(folder, house, place | USUAL, options, {}, STEPS[1])
-            size = size_of(load_study(study, "reference", ROOT))
-        minutes = size.minutes(STEPS[1], os.cpu_count())
-        return vars(size) | {"draws": STEPS[1], "minutes": minutes}
+            return size_of(load_study(study, "reference", ROOT)) | {"draws": STEPS[1]}
 
     def _keep(self, name, what, text, read):
         """What read(path) makes of a text, which is kept in a file of the claim if it is accepted;

@@ -1,6 +1,5 @@
 """Make a claim's sheet: checks, draws until the intervals are narrow enough, numbers, sheet."""
 
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,7 +14,6 @@ from damage.applications.groningen.claim.numbers import (
     numbers_of,
 )
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, in_words, sheet
-from damage.applications.groningen.claim.size import size_of
 from damage.applications.groningen.claim.twins import (
     BOTH,
     DRAWN,
@@ -26,10 +24,9 @@ from damage.applications.groningen.claim.twins import (
 )
 from damage.applications.groningen.exposure.lives import draws_of, read_address
 from damage.applications.report.words import number, words
-from damage.applications.studies.command import clock
+from damage.applications.studies.cost import size_of as size_of_run
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, held
-from damage.applications.studies.records import read_records
 from damage.arguments import fraction
 from damage.errors import InputError, some_of, warn
 from damage.files import json_text, write_text
@@ -94,9 +91,8 @@ def make_claim(claim, out, jobs, remake=False):
     print(on_joints(survey.as_dict()))
     with held(out, Path(NAME).stem) as lock:
         begun = _study(claim, out, steps[0])
-        _state_runs(size_of(begun), jobs, steps)
-        began, there = time.monotonic(), _kept(out, begun, remake)
-        for draws, following in zip(steps, (*steps[1:], None)):
+        _state_runs(begun, steps)
+        for draws in steps:
             study = _study(claim, out, draws)
             if status := _draw(study, out, jobs, remake, lock):
                 return status
@@ -128,7 +124,6 @@ def make_claim(claim, out, jobs, remake=False):
             if done:
                 break
             print(f"{draws} draws, not yet the answer: {place}", flush=True)
-            _state_pace(began, draws - there, following - draws)
     print(describe(numbers, claim.language), place, sep="\n")
     return 0
 
@@ -189,12 +184,15 @@ def _no_answer_foreseen(survey, most):
     return [words[why] for why, _ in reasons(survey.as_dict(), most, 0.0)]
 
 
-def _state_runs(size, jobs, steps):
-    """Print the size of the first draws, and of the most that may follow, and about how long they
-    take, before anything starts."""
-    shown = dict.fromkeys((steps[min(1, len(steps) - 1)], steps[-1]))
+def _state_runs(study, steps):
+    """Print the size of the first draws, and of the most that may follow, before anything
+    starts."""
+    size = "expected: {contact_points} contact points x {steps:.2g} steps".format(**size_of(study))
     print(
-        *(f"expected: {size.describe(draws, jobs)}" for draws in shown),
+        *(
+            f"{size} x {draws} draws"
+            for draws in dict.fromkeys((steps[min(1, len(steps) - 1)], steps[-1]))
+        ),
         f"An answer needs {LEAST_DRAWS} draws that resemble the survey.  The same command continues"
         " after an interruption.",
         sep="\n",
@@ -202,20 +200,10 @@ def _state_runs(size, jobs, steps):
     )
 
 
-def _state_pace(began, made, more):
-    """Print how long so many more draws take, by the time [s] of those that this command made."""
-    if made > 0:
-        left = (time.monotonic() - began) / made * more
-        print(f"at this pace {more} more draws take {clock(left)}", flush=True)
-
-
-def _kept(out, study, remake):
-    """Number of draws in a folder that are not made again."""
-    from damage.applications.studies.outdated import Results
-
-    verdict = Results(out).judge(study.runs)
-    again = verdict.changed or (remake and verdict.models)
-    return 0 if again else len(read_records(out).runs) // 2
+def size_of(study):
+    """{"contact_points" of the wall, "steps" of a draw by both of its runs} of a claim's study."""
+    points, steps, _ = zip(*(size_of_run(run) for run in study.runs if run.offset == 0))
+    return {"contact_points": points[0], "steps": sum(steps)}
 
 
 def _study(claim, out, draws):

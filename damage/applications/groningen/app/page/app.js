@@ -589,8 +589,7 @@ async function askSize() {
   if (!front || field("latitude") === null || field("longitude") === null) return;
   const found = await ask("size", { latitude: field("latitude"), longitude: field("longitude"), units: units() }, "said-size");
   if (!found) return;
-  const [least, most] = found.minutes.map((one) => shown(one));
-  say("said-size", fill("size_is", { points: found.contact_points, steps: shown(found.steps), draws: found.draws, least, most }));
+  say("said-size", fill("size_is", { points: found.contact_points, steps: shown(found.steps), draws: found.draws }));
 }
 by("units").addEventListener("change", showSize);
 
