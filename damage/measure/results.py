@@ -75,7 +75,9 @@ RESULTS = {
     "max_slip_mm": Result("accumulated slip", "mm", 2),
     "peak_base_shear_n": Result("base shear", "kN", 3, "{whole}", 1e-3),
     "peak_force_n": Result("force on the top", "kN", 3, "", 1e-3),
-    "peak_force_wave_n": Result("its wave", "kN", 2, "by which the peak depends on the speed", 1e-3),
+    "peak_force_wave_n": Result(
+        "its wave", "kN", 2, "by which the peak depends on the speed", 1e-3
+    ),
     "drift_at_peak_force": Result("drift ratio there", "%", 3, "of the height", 100.0),
     "initial_stiffness_n_per_m": Result("stiffness at first", "kN/mm", 3, "", 1e-6),
     "secant_stiffness_n_per_m": Result("stiffness", "kN/mm", 3, "to 0.7 of the peak", 1e-6),

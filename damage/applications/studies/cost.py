@@ -5,13 +5,13 @@ from functools import cache
 from damage.applications.studies.folder import ROOT
 from damage.applications.studies.tasks import company_of
 from damage.errors import InputError
+from damage.house.coarser import in_units
+from damage.house.house import masonry_of
 from damage.reference.session import BACKEND
 from damage.run.schedule import sample_steps, settlement_work, stages, zero_step
 from damage.run.session import plan_of
 from damage.run.settings import SELECTIVE
-from damage.wall.coarser import in_units
 from damage.wall.file import load_wall
-from damage.wall.house import masonry_of
 
 LIVES = 8
 """Whose motions say how long one is."""

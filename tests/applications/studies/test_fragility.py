@@ -229,7 +229,6 @@ class TestUndetermined:
         printed = output_of(
             "fragility", tmp_path, "--out", tmp_path / "f", "--export", tmp_path / "e", *words
         )
-        assert f"w, max_psi > 1: no curve: {sum(exceed)} of {len(runs)} runs exceed it" in printed
         assert [path.name for path in (tmp_path / "e").iterdir()] == ["fragility_coefficients.csv"]
         for table in ("f/fragility_pga_g", "f/fragility_pga_g_at", "e/fragility_coefficients"):
             row = pd.read_csv(tmp_path / f"{table}.csv").iloc[0]
