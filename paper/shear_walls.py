@@ -18,7 +18,7 @@ import pandas as pd
 
 from damage.applications.cracks.capacity import capacity, cycle_edges, loaded_curves
 from damage.measure.pushed import first_loading
-from damage.run import session
+from damage.run import prepare
 from damage.wall.file import wall_from
 from damage.wall.kinds import BED, HEAD
 from damage.wall.parameters import nearest
@@ -161,13 +161,13 @@ TRIES = {
 def tried(bench, row, name):
     """A row of the table of tries: the wall of a row of the inputs, changed."""
     of_wall, of_contacts = TRIES[name]
-    wall, lay_out = wall_of(row), session.lay_out
+    wall, lay_out = wall_of(row), prepare.lay_out_building
 
     def changed(*given, **options):
         layout = lay_out(*given, **options)
         return replace(layout, contacts=of_contacts(layout.contacts)) if of_contacts else layout
 
-    with patch.object(session, "lay_out", changed):
+    with patch.object(prepare, "lay_out_building", changed):
         push, cycles = (
             bench.run(of_wall(wall) if of_wall else wall, [*words, 1], row.wall, name)
             for words in (PUSH, [*CYCLES, *DRAWN])

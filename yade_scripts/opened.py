@@ -19,8 +19,10 @@ from damage.history.reader import read_history
 from damage.history.schema import JOINTS
 from damage.history.writer import HistoryWriter, layout_tables
 from damage.run.cooperative import take_turns
+from damage.run.prepare import prepare
+from damage.run.progress import attended
 from damage.run.run import Run
-from damage.run.session import attended, prepare, simulate
+from damage.run.session import simulate
 from damage.start import EXIT_INTERRUPTED
 from damage.wall.kinds import KINDS
 from yade_scripts.bonds import bonds_by_law

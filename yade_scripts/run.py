@@ -79,7 +79,7 @@ def _backend(engines):
     import yade
     from yade import O
 
-    from damage.run.session import Backend
+    from damage.run.prepare import Backend
     from yade_scripts.opened import Scene, name_of, prompt
     from yade_scripts.solver import YadeSolver
     from yade_scripts.view import open_view

@@ -21,7 +21,9 @@ from damage.reference.session import BACKEND, PROG
 from damage.run.cooperative import take_turns
 from damage.run.options import settings_of
 from damage.run.paths import free_name, pictures_folder
-from damage.run.session import attended, prepare, simulate
+from damage.run.prepare import prepare
+from damage.run.progress import attended
+from damage.run.session import simulate
 from damage.start import EXIT_INTERRUPTED
 from damage.wall.file import load_wall, wall_path
 from damage.wall.parameters import Wall

@@ -18,14 +18,9 @@ from damage.reference.rest_cache import RestCache
 from damage.reference.solver import ReferenceSolver
 from damage.run.cooperative import as_they_end
 from damage.run.options import parse_run
-from damage.run.session import (
-    Backend,
-    attended,
-    prepare,
-    run_session,
-    simulate,
-    with_errors_reported,
-)
+from damage.run.prepare import Backend, prepare
+from damage.run.progress import attended
+from damage.run.session import run_session, simulate, with_errors_reported
 from damage.run.settings import LINTELS, SELECTIVE
 from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
 from damage.wall.file import load_wall, wall_path

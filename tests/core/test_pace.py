@@ -7,7 +7,7 @@ import pytest
 
 from damage.run import pace
 from damage.run.pace import Pace
-from damage.run.session import Progress
+from damage.run.progress import Progress
 
 
 @pytest.fixture

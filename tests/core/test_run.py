@@ -26,9 +26,10 @@ from damage.run.monitor import (
     lowest_places,
     unbalanced_force,
 )
+from damage.run.prepare import Backend
 from damage.run.run import LOOK_STEPS, Run
 from damage.run.schedule import choose_time_step, sample_steps
-from damage.run.session import Backend, run_session
+from damage.run.session import run_session
 from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import Instants
 from damage.units import GRAVITY

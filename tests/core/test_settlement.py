@@ -31,7 +31,8 @@ from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
 from damage.run.banner import settlement_lines
 from damage.run.cooperative import take_turns
-from damage.run.session import prepare, simulate
+from damage.run.prepare import prepare
+from damage.run.session import simulate
 from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY

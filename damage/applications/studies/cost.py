@@ -8,8 +8,8 @@ from damage.errors import InputError
 from damage.house.coarser import in_units
 from damage.house.house import masonry_of
 from damage.reference.session import BACKEND
+from damage.run.prepare import plan_of
 from damage.run.schedule import sample_steps, settlement_work, stages, zero_step
-from damage.run.session import plan_of
 from damage.run.settings import SELECTIVE
 from damage.wall.file import load_wall
 

@@ -24,8 +24,8 @@ from damage.house.coarser import in_units
 from damage.measure.tables import write_table
 from damage.measure.warnings import energy_warnings
 from damage.reference.session import BACKEND
+from damage.run.prepare import announce, check, output_of, plan_of
 from damage.run.report import report
-from damage.run.session import announce, check, output_of, plan_of
 from damage.run.settings import SCATTER
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 

@@ -46,7 +46,7 @@ PATIENCE_S = 60.0
 """How long an interrupted solver may take to close its history before it is killed [s]."""
 SHARES_S = 2.0
 """Between two looks at how far runs are [s]."""
-# of damage.run.session.Progress
+# of damage.run.progress.Progress
 _PROGRESS = re.compile(r"\bt = +(-?[\d.]+) of ([\d.]+) s ")
 
 
@@ -55,7 +55,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
     kills this process, whose runs nobody would record, and its solver.  lock: descriptor that a
     solver holds as long as it runs; inputs: {StudyRun.id: its inputs when the study began
     (`damage.applications.studies.inputs.as_json`)}; processes: of the study."""
-    # SIGTERM interrupts runs (damage.run.session.attended) and nothing else: those that have ended
+    # SIGTERM interrupts runs (damage.run.progress.attended) and nothing else: those that have ended
     # leave their records.
     signal.signal(signal.SIGTERM, lambda *_: None)
     for name in (signal.SIGINT, signal.SIGHUP):  # of a terminal: the parent's to answer

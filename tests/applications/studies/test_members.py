@@ -26,8 +26,9 @@ from damage.measure.tables import summary_row, write_table
 from damage.reference import session
 from damage.reference.session import run_reference
 from damage.run.options import parse_run
+from damage.run.prepare import Backend
 from damage.run.report import describe
-from damage.run.session import Backend, run_session
+from damage.run.session import run_session
 from damage.units import rounded
 
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--no-pictures")

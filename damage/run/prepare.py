@@ -1,0 +1,312 @@
+"""What is settled before a run begins: its plan, from wall and settings, and its history."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from damage.errors import warn
+from damage.history.buffer import Buffer
+from damage.history.writer import HistoryWriter, check_output
+from damage.house.coarser import in_units
+from damage.house.drawn import drawn, ranges
+from damage.house.layout import lay_out_building
+from damage.house.meeting import warn_of_lone_walls
+from damage.linear.modes import Modes, natural_modes
+from damage.measure.evidence import evidence_for, outside
+from damage.motion.intensity import applied_measures, drift_warnings, end_warnings
+from damage.motion.loading import Recorded
+from damage.motion.plausible import faint_warnings, record_warnings
+from damage.provenance import file_origin, versions
+from damage.run.banner import (
+    event_lines,
+    record_lines,
+    sequence_lines,
+    settlement_lines,
+    stress_lines,
+    wall_lines,
+)
+from damage.run.checkpoint import Checkpoints, read_end, resumed, schemes_left
+from damage.run.initial_state import read_state, without_bond
+from damage.run.monitor import DROP, FAILURE
+from damage.run.paths import free_name
+from damage.run.report import check_pictures
+from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
+from damage.run.scheme import scaling_warnings, schemes
+from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
+from damage.wall.layout import Layout
+from damage.wall.soil import fastest_decay
+
+
+@dataclass(frozen=True)
+class Backend:
+    """A solver as a session needs it.
+
+    versions: {software: version} beside this software's own; code: the folder of the solver's
+    modules; make(layout, time_step, settings): a damage.run.solver.Solver; check(settings, wall):
+    raises InputError on what it cannot do; open_view: opens a live view and returns a function that
+    refreshes it; None where there is none; softening_beta_s: stiffness-proportional damping of
+    joints that soften [s];
+    keeps_state: whether the history has the state at its end, from which another run continues; it
+    is in a checkpoint otherwise;
+    begins(run): called with the Run before its first step, returns what was changed by hand since
+    the wall was built, in words; most: runs that step together at most.
+    """
+
+    name: str
+    versions: dict
+    make: Callable
+    code: Path
+    check: Callable = lambda settings, wall: None
+    open_view: Callable | None = None
+    softening_beta_s: float = SOFTENING_BETA_S
+    keeps_state: bool = True
+    begins: Callable = lambda run: ""
+    most: int = 1
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """A run as it will be, before anything is written.
+
+    Attributes
+    ----------
+    backend : Backend
+    settings : RunSettings
+    layout : Layout
+    modes : Modes
+    time_step : float
+        [s]
+    repeats : tuple of (RunSettings, float)
+        Of runs with these time steps [s] that follow until one is accepted (`damage.run.scheme`).
+    so_far : dict
+        Parameters of a resumed run that say how it was repeated.
+    """
+
+    backend: Backend
+    settings: RunSettings
+    layout: Layout
+    modes: Modes
+    time_step: float
+    repeats: tuple[tuple[RunSettings, float], ...]
+    so_far: dict
+
+    @property
+    def made_by(self):
+        """{software: version}."""
+        return versions(self.backend.code) | self.backend.versions
+
+    @property
+    def origin(self):
+        """As of `read_earlier`."""
+        return self.backend.name, self.made_by["model"]
+
+    def solver(self):
+        """A new solver of the run."""
+        return self.backend.make(self.layout, self.time_step, self.settings)
+
+    def parameters_with(self, wall_file):
+        """Parameters of its history."""
+        loading, wall, period_s = (
+            self.settings.loading,
+            self.layout.wall,
+            float(self.modes.period_s[0]),
+        )
+        found = {
+            "wall": wall.as_dict(),
+            "wall_file": file_origin(wall_file),
+            **self.settings.as_dict(),
+            "time_step_s": self.time_step,
+            **self.so_far,
+            "critical_time_step_s": self.modes.critical_time_step_s,
+            "eigen_period_s": period_s,
+            "pier_stress_pa": self.layout.pier_stress,
+            **applied_measures(loading.applied(), period_s, loading.applied_across()),
+            **self.layout.house_parameters,
+        }
+        return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
+
+    def past(self):
+        """`state` of a Prepared run."""
+        if not self.settings.continued:
+            return None
+        if self.backend.keeps_state:
+            return read_state(self.settings.continued, self.layout, self.origin, self.solver())
+        return read_end(self.settings.continued, self.layout, self.origin, self.time_step)
+
+
+@dataclass(frozen=True)
+class Prepared(RunPlan):
+    """A run that can begin: its history is there, without a sample.
+
+    writer: keeps it; state: of the run that it continues, None without one; resumed: tables of the
+    checkpoint from which it continues, None of a run that begins; checkpoints: what writes them,
+    None where there is no file; parameters: of the history; write(parameters=...): makes a history.
+    """
+
+    writer: Buffer
+    state: dict | None
+    resumed: dict | None
+    checkpoints: Checkpoints | None
+    parameters: dict
+    write: Callable
+
+    def repeated(self, reason):
+        """The Prepared run that follows one that was not accepted, by a RunError; its history
+        begins anew."""
+        code = getattr(reason, "code", FAILURE)
+        (settings, time_step), *others = [
+            (one, step_s)
+            for one, step_s in self.repeats
+            if code != DROP or one.mass_scaling != SELECTIVE
+        ]
+        parameters = (
+            self.parameters
+            | settings.as_dict()
+            | {
+                "time_step_s": time_step,
+                "repeats": self.parameters["repeats"] + 1,
+                "repeated_for": code,
+            }
+        )
+        how = "explicitly, " if settings.mass_scaling != SELECTIVE else ""
+        print(f"{reason}: repeated {how}in steps of {time_step:.3g} s", flush=True)
+        if self.checkpoints:
+            self.checkpoints.remove()
+        self.writer.begin_again(partial(self.write, parameters=parameters))
+        return replace(
+            self,
+            settings=settings,
+            time_step=time_step,
+            repeats=tuple(others),
+            parameters=parameters,
+            resumed=None,
+        )
+
+
+def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
+    """A Prepared run, of RunSettings and otherwise the arguments of `run_session`; what it will be
+    is printed.
+
+    write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to
+    be no file.
+    """
+    wall = in_units(make_wall(), settings.units)
+    settings = check(backend, wall, settings)
+    out = output_of(backend, wall, settings)
+    plan = plan_of(backend, wall, settings)
+    announce(plan)
+    state = plan.past()
+    return _opened(plan, state, plan.parameters_with(wall_file), out, write)
+
+
+def check(backend, wall, settings):
+    """RunSettings with what this solver adds to them for this wall; raises InputError where they do
+    not go together."""
+    wall.check_run(settings)
+    settings.check_plausible(wall)
+    settings = settings.for_joint(wall.masonry.joint, backend.softening_beta_s)
+    for one in wall.each_wall:
+        backend.check(settings, one)
+    return settings
+
+
+def output_of(backend, wall, settings):
+    """Path of the history; raises InputError where it, or its pictures, cannot be written."""
+    out = settings.out or free_name(wall.masonry, settings, backend.name)
+    if not settings.resumed:
+        check_output(out, settings.overwrite)
+        if settings.pictures:
+            check_pictures(out, settings.overwrite)
+    return out
+
+
+def plan_of(backend, wall, settings):
+    """The RunPlan of a run of settings that were checked; raises InputError."""
+    wall = drawn(wall, ranges(settings.model.inputs), settings.model.strength_seed)
+    layout = _laid_out(wall, settings)
+    modes = natural_modes(layout)
+    settings = settings.for_period(float(modes.period_s[0]))
+    options = schemes(settings, wall.masonry, modes, fastest_decay(layout))
+    ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
+    check_size(settings, layout, time_step)
+    check_top(settings, layout, time_step)
+    return RunPlan(backend, settings, layout, modes, time_step, tuple(repeats), so_far)
+
+
+def _opened(plan, state, parameters, out, write):
+    """The Prepared run of a RunPlan, whose history is opened."""
+    backend, settings, layout = plan.backend, plan.settings, plan.layout
+    write = partial(
+        write, out, layout, solver=backend.name, versions=plan.made_by, overwrite=settings.overwrite
+    )
+    if settings.resumed:
+        writer, tables = resumed(
+            settings.resumed, layout, parameters, plan.origin, scene=not backend.keeps_state
+        )
+    else:
+        writer, tables = write(parameters=parameters), None
+    checkpoints = None
+    if writer.path:
+        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+        if not settings.resumed:
+            checkpoints.remove()  # of the run that this one replaces
+    print(f"history: {writer.where}", flush=True)
+    return Prepared(
+        **vars(plan),
+        writer=writer,
+        state=state,
+        resumed=tables,
+        checkpoints=checkpoints,
+        parameters=parameters,
+        write=write,
+    )
+
+
+def _laid_out(wall, settings):
+    """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit
+    it are refused."""
+    layout = lay_out_building(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    if settings.joints_without_bond:
+        layout = without_bond(layout, settings.joints_without_bond.joints(layout))
+    if settings.settlement:
+        settings.settlement.check_length(float(layout.ground.right.max()))
+    return layout
+
+
+def announce(plan):
+    """Print what a RunPlan will be, and warn of what is doubtful in it."""
+    settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
+    warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    warn(*scaling_warnings(settings, wall), code="mass_scaling")
+    if settings.recorded:
+        warn(*faint_warnings(settings.peak_g), code="faint_motion")
+    for text in dict.fromkeys(
+        text for event in settings.recorded for text in record_warnings(event.loading)
+    ):
+        warn(text, code="record")
+    if isinstance(loading, Recorded) and not settings.events:
+        warn(*end_warnings(loading.applied()), code="end_velocity")
+        warn(*drift_warnings(loading), code="drift")
+    if wall.joint.softens:
+        warn(
+            *softening_warnings(
+                settings,
+                plan.time_step,
+                plan.modes.critical_time_step_s,
+                plan.backend.softening_beta_s,
+            ),
+            code="softening_step",
+        )
+    warn(*warn_of_lone_walls(plan.layout.building), code="lone_walls")
+    lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
+    print(
+        *lines,
+        *settlement_lines(settings, plan.layout),
+        *event_lines(settings),
+        *record_lines(settings),
+        *sequence_lines(settings),
+        *stress_lines(settings, plan.layout, plan.time_step),
+        sep="\n",
+        flush=True,
+    )
