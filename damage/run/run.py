@@ -356,7 +356,7 @@ class Run:
         return with_zero(
             {
                 "set_in_motion_j": np.array(self._set_in_motion_j),
-                "base_moves": np.array(self._base_motion is not None),
+                "base_moves": np.array(bool(self._base_motions)),
             },
             self._zero or self.solver.instants(),
         )

@@ -36,7 +36,7 @@ SHORTER = (
     ("0.07,0.15,0.29,0.58,0.87,1.2,1.5,1.75", "0.05,0.1"),
     ("--rest 0.5", "--rest 0"),
     ("--cycles 2 --rest 0.3", "--cycles 1 --rest 0"),
-    ("--harmonic 0.3 0.4 --cycles 1 --rest 0.1", "--harmonic 0.1 1 --cycles 1 --rest 0"),
+    ("--harmonic 0.3 0.25 --cycles 1 --rest 0.1", "--harmonic 0.1 1 --cycles 1 --rest 0"),
 )
 """What is typed with other numbers, or without pictures of the run, which decide nothing but how
 long it takes: (in the guide, here)."""
