@@ -223,8 +223,8 @@ def move_coordinate(n, inertia, b, k, bench, field, force, damped):
 
 @inlined
 def rates(n, inertia, b, k, bench, field, force, damped):
-    """Acceleration of coordinate k of body b without damping, and its deceleration by damping [m/s2 or
-    rad/s2]; both zero where its velocity is prescribed.
+    """Acceleration of coordinate k of body b without damping, and its deceleration by damping
+    [m/s2 or rad/s2]; both zero where its velocity is prescribed.
 
     field: acceleration of the base plus gravity along the coordinate; both act against its
     direction.  damped: whether the bench has damping: mass-proportional, of the velocity less its

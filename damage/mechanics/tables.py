@@ -45,7 +45,8 @@ energy, work of the damping of interfaces."""
 class Bench(NamedTuple):
     """The only row of `bench`, parameters of a step: acceleration of the base along x and z, and
     with gravity along z [m/s2]; time step [s]; mass-proportional [1/s] and local damping [-];
-    stiffness-proportional damping over the time step [-]; share of a velocity in its new mean [-]."""
+    stiffness-proportional damping over the time step [-]; share of a velocity in its new mean
+    [-]."""
 
     base_x: float
     base_z: float
@@ -204,8 +205,8 @@ class Tables(
     fields, W).
 
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass, inverse mass and
-    running mean of the velocity of each coordinate; energy, relaxation: (1, fields, W); events, values, n_events: the wall first;
-    first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
+    running mean of the velocity of each coordinate; energy, relaxation: (1, fields, W);
+    events, values, n_events: the wall first; first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
     eight interfaces, LINES, 8), copied by `copy_lines`; alike: whether all walls have the `springs`
     of `lines`; radiates: whether `radiation` is used.  It has rows in any case, so that its layout,
     and with it the type of Tables, is always the same.

@@ -488,10 +488,10 @@ class TopDisplacement(Loading):
     amplitudes_pct: drift ratios [%] to go to, in this order.
     cycles: full cycles (to +a, to -a) at each; 0 for a single push to the first amplitude.
     boundary: "cantilever", the top may rotate; "fixed", it may not (double fixed).
-    speed_m_s: of the course that the drift is of [m/s]; local_damping [-], where the solver damps locally: the result
-        depends on both when they are not slow and high; top_rotation: stiffness of a rotational
-        spring between the top and the machine that moves it [N m/rad], of each body that carries
-        the top; 0: free.
+    speed_m_s: of the course that the drift is of [m/s]; local_damping [-], where the solver damps
+        locally: the result depends on both when they are not slow and high; top_rotation:
+        stiffness of a rotational spring between the top and the machine that moves it [N m/rad],
+        of each body that carries the top; 0: free.
     floor_shares: ((level [m], share [-]), ...): push by a spreader beam on these floors instead,
         with forces that keep their ratio; the drift is that of their resultant: the mean
         displacement of the floors by their shares, over the mean of their heights.

@@ -468,7 +468,7 @@ class Run:
 
         A push needs damping of the vibration about its steady motion: what opposes the whole
         velocity has one sign until the wave is faster than the push, and takes nothing from it.
-        It is critical in the first mode, as half of it leaves a wall that slides shaking.
+        It is critical in the first mode: a quarter of it leaves a wall that slides shaking.
         """
         drive, local = self.settings.loading.drive, LOCAL_DAMPING
         if stage == "settlement":
@@ -478,7 +478,7 @@ class Run:
         elif drive.quasi_static and self.settings.relaxation == "local":
             is_adaptive, local = False, drive.local_damping
         elif drive.quasi_static:
-            return {"alpha": 4 * math.pi / self._period_s, "mean_1_s": 2 / self._period_s}
+            return {"alpha": 4 * math.pi / self._period_s, "mean_1_s": 1 / self._period_s}
         elif stage == "settling":
             is_adaptive = self.settings.settles == "adaptive"
         else:

@@ -27,7 +27,7 @@ fifteen bytes each when the history is read."""
 SETTLE_S = 0.5
 """Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
 LOCAL_DAMPING = 0.7
-PUSH_PERIODS = 2
+PUSH_PERIODS = 4
 """Length of the rest after a push, over the first period [-]."""
 ADAPTIVE_DAMPING = 1.0
 """Share of the change of kinetic energy that adaptive damping takes [-]: of 0.4 to 2 it came to
