@@ -205,11 +205,11 @@ class Tables(
     fields, W).
 
     bodies: COS1, SIN, all coordinates, then all forces; inertia: velocity, mass, inverse mass and
-    running mean of the velocity of each coordinate; energy, relaxation: (1, fields, W);
-    events, values, n_events: the wall first; first, second: (interfaces,) rows of the bodies; every: (bodies,) all rows; lines: (blocks of
-    eight interfaces, LINES, 8), copied by `copy_lines`; alike: whether all walls have the `springs`
-    of `lines`; radiates: whether `radiation` is used.  It has rows in any case, so that its layout,
-    and with it the type of Tables, is always the same.
+    running mean of the velocity of each coordinate; energy, relaxation: (1, fields, W); events,
+    values, n_events: the wall first; first, second: (interfaces,) rows of the bodies; every:
+    (bodies,) all rows; lines: (blocks of eight interfaces, LINES, 8), copied by `copy_lines`;
+    alike: whether all walls have the `springs` of `lines`; radiates: whether `radiation` is used.
+    It has rows in any case, so that its layout, and with it the type of Tables, is always the same.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
     evaluated contact point by contact point; used: (contacts,) 0 where a contact point is an intact
