@@ -22,7 +22,14 @@ def check_number(what, value, wanted="a finite number", fits=lambda value: True)
         or not is_finite(value)
         or not fits(value)
     ):
-        raise InputError(f"{what} = {value!r}: expected {wanted}; correct it")
+        raise _unlike(what, value, wanted)
+
+
+def _unlike(what, value, wanted, cure="correct it"):
+    """The InputError of a value that is not what is wanted, or that is missing, None."""
+    if value is None:
+        return InputError(f"{what} is missing: expected {wanted}; give it")
+    return InputError(f"{what} = {value!r}: expected {wanted}; {cure}")
 
 
 def is_finite(value):
@@ -54,17 +61,13 @@ def check_whole(what, value, least=0, most=math.inf):
     """Raise InputError unless `value` is a whole number within bounds."""
     if not isinstance(value, Integral) or isinstance(value, bool) or not least <= value <= most:
         upper = "or more" if most == math.inf else f"to {most}"
-        raise InputError(
-            f"{what} = {value!r}: expected a whole number, {least} {upper}; correct it"
-        )
+        raise _unlike(what, value, f"a whole number, {least} {upper}")
 
 
 def check_choice(what, value, choices):
     """Raise InputError unless `value` is one of `choices`."""
     if value not in choices:
-        raise InputError(
-            f"{what} = {value!r}: expected one of {', '.join(choices)}; choose one of them"
-        )
+        raise _unlike(what, value, f"one of {', '.join(choices)}", "choose one of them")
 
 
 LONGEST_NAME = 255

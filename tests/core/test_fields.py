@@ -49,7 +49,7 @@ class Beam:
             {"length": 300},
             "Beam.length = 300: expected a number from 0.1 to 50; correct it: 300 cm is 300e-2 m",
         ),
-        ({"length": None}, "Beam.length = None: expected a number"),
+        ({"length": None}, "Beam.length is missing: expected a number"),
         ({"length": True}, "Beam.length = True: expected"),
         (
             {"length": 1.0, "count": 1.5},
