@@ -42,9 +42,22 @@ def in_language(language, text):
     for pattern, dutch in sentences:
         if found := pattern.fullmatch(text):
             return dutch.format(
-                **{name: in_language(language, part) for name, part in found.groupdict().items()}
+                **{
+                    name: _decimal(in_language(language, part))
+                    for name, part in found.groupdict().items()
+                }
             )
     return text
+
+
+def _decimal(text):
+    """A text with the decimals of its numbers behind commas, and lists of numbers with semicolons.
+
+    >>> _decimal("(0.5, 12) m, wall_2.5/a.csv, 1.2.3")
+    '(0,5; 12) m, wall_2.5/a.csv, 1.2.3'
+    """
+    listed = re.sub(r"(?<=\d), (?=-?\d)", "; ", text)
+    return re.sub(r"(?<![\w./-])(-?\d+)\.(\d+)(?![\w/]|\.\w)", r"\1,\2", listed)
 
 
 class _Said:
