@@ -50,7 +50,7 @@ from damage.applications.groningen.claim.likeness import (
 )
 from damage.applications.groningen.claim.make import USUAL, USUAL_OPTIONS, describe, layout_of
 from damage.applications.groningen.claim.numbers import Likeness, answers
-from damage.applications.groningen.claim.sheet import in_words, sheet
+from damage.applications.groningen.claim.sheet import in_words, sheet, whether_more_draws_help
 from damage.applications.groningen.claim.twins import (
     BOTH,
     SHAKEN,
@@ -442,6 +442,32 @@ class TestLikeness:
         assert set(strange["verdict"].values()) == {"open"}, "no answer in claim.json, either"
         assert strange["cracks"][0]["without_earthquakes"]["said"] == "open"
 
+    def test_a_wall_without_visible_cracks_is_not_near(self, claimed):
+        """Within the error of widths it is at a distance of 0.47, below FARTHEST."""
+        numbers = json.loads((claimed / "claim.json").read_text())
+        like = [one for one in numbers["nearest"] if one["distance"] <= FARTHEST]
+        assert len(like) == round(numbers["effective_draws"]["0.5"])
+
+    @pytest.mark.parametrize(
+        "draws, to_come, said",
+        [
+            (10, 800, "More draws can help: of 10 none.*nearest at a distance of 0.8.*below 26 %"),
+            (96, 800, "More draws cannot help: of 96 none.* below 3.1 %"),
+        ],
+    )
+    def test_whether_more_draws_help(self, draws, to_come, said):
+        """0.26 of 800 are more than the 50 of an answer, 0.031 are not: 25."""
+        numbers = {"no_answer": [{"why": "draws", "value": 0.0}], "effective_draws": {"0.5": 0.0}}
+        numbers |= {"draws": draws, "draws_to_come": to_come, "farthest": FARTHEST}
+        numbers["nearest"] = [{"distance": 0.8}]
+        assert re.match(said, whether_more_draws_help(numbers, "en"))
+        numbers["effective_draws"]["0.5"] = 2.0
+        few = f"{number('en', 25 * draws)} would resemble"
+        assert whether_more_draws_help(numbers, "en").endswith(f"50 of about {few} the survey.")
+        numbers["no_answer"].append({"why": "strange", "value": 0.99})
+        assert whether_more_draws_help(numbers, "en") == "More draws alone give no answer."
+        assert whether_more_draws_help({"no_answer": []}, "en") is None
+
     def test_a_few_patterns_say_of_none_that_it_is_strange(self):
         assert strange_share(np.full(NEAREST, 0.9), np.zeros((NEAREST, NEAREST))) == 0.0
         assert strange_share(np.full(NEAREST + 1, 0.9), np.zeros((NEAREST + 1,) * 2)) == 1.0
@@ -469,7 +495,10 @@ class TestSheet:
         assert "from 20 to 70 % of its Arias intensity" in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page
         assert [one["crack"] for one in numbers["cracks"]] == ["A", "B"]
-        assert page.count("<td>no answer</td>") == 4
+        assert page.count("no answer") == 0 and "No answer for any of the 2 cracks" in page
+        assert "A 0.15 mm</text>" in page, "the picture has letters and widths"
+        assert "Outside the model" in page.partition("</section>")[0], "beside the headline"
+        assert numbers["more_draws"] in page
         like = number("en", min(numbers["effective_draws"].values()))
         assert like != "0" and f"only {like} of the computed walls" in describe(numbers)
 
@@ -514,7 +543,7 @@ class TestSheet:
     def test_a_sentence_is_not_taken_for_the_part_of_another(self):
         said = "crack A (0.15 mm) would be there without earthquakes: yes, without settlement: no"
         assert in_language("nl", said) == (
-            "scheur A (0.15 mm) zou er zijn zonder aardbevingen: ja, zonder zetting: nee"
+            "scheur A (0,15 mm) zou er zijn zonder aardbevingen: ja, zonder zetting: nee"
         )
 
     def test_a_value_differs_from_its_limit(self):

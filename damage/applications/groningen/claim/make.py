@@ -7,13 +7,15 @@ import numpy as np
 
 from damage.applications.cracks.survey import on_joints, read_survey
 from damage.applications.groningen.claim.answer import LEAST_DRAWS, WITHOUT, reasons
-from damage.applications.groningen.claim.numbers import (
-    draws_needed,
-    enough,
-    lacks_draws,
-    numbers_of,
+from damage.applications.groningen.claim.numbers import MOST_DRAWS, enough, numbers_of
+from damage.applications.groningen.claim.sheet import (
+    NUMBERS,
+    SHEET,
+    in_words,
+    outside_at_rest,
+    sheet,
+    whether_more_draws_help,
 )
-from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, in_words, sheet
 from damage.applications.groningen.claim.twins import (
     BOTH,
     DRAWN,
@@ -23,7 +25,7 @@ from damage.applications.groningen.claim.twins import (
     write_twins,
 )
 from damage.applications.groningen.exposure.lives import draws_of, read_address
-from damage.applications.report.words import number, words
+from damage.applications.report.words import words
 from damage.applications.studies.cost import size_of as size_of_run
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import ROOT, held
@@ -41,7 +43,7 @@ from damage.wall.file import load_wall, wall_path
 from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 
-STEPS = 10, 96, 192, 400, 800
+STEPS = 10, 96, 192, 400, MOST_DRAWS
 """Numbers of draws after which there is a sheet: the first ones show what it will be of; 96 is what
 an interval of ±10 of 100 takes."""
 
@@ -88,7 +90,7 @@ def make_claim(claim, out, jobs, remake=False):
         *survey.notes,
         *_no_answer_foreseen(survey, steps[-1]),
     )
-    print(on_joints(survey.as_dict()))
+    print(on_joints(survey.as_dict()), outside_at_rest(layout, claim.language), sep="\n")
     with held(out, Path(NAME).stem) as lock:
         begun = _study(claim, out, steps[0])
         _state_runs(begun, steps)
@@ -117,13 +119,15 @@ def make_claim(claim, out, jobs, remake=False):
             )
             done = draws == steps[-1] or (not claim.draws and enough(numbers, steps[-1]))
             numbers["draws_to_come"] = None if done else steps[-1]
+            numbers["more_draws"] = whether_more_draws_help(numbers, claim.language)
             write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
             place = write_text(
                 out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS)
             )
             if done:
                 break
-            print(f"{draws} draws, not yet the answer: {place}", flush=True)
+            said = [f"{draws} draws, not yet the answer: {place}", numbers["more_draws"]]
+            print(*filter(None, said), sep="\n", flush=True)
     print(describe(numbers, claim.language), place, sep="\n")
     return 0
 
@@ -263,12 +267,4 @@ def describe(numbers, language="en"):
         *map(_crack_in_words, numbers["cracks"]),
     ]
     lines += [f"would help: {one}" for one in said["helps"]]
-    if lacks_draws(numbers):
-        needed = draws_needed(numbers)
-        lines.append(
-            f"in proportion, about {number('en', needed)} draws would have {LEAST_DRAWS} like the"
-            " survey; --draws N makes more"
-            if np.isfinite(needed)
-            else "not one draw resembles the survey"
-        )
-    return "\n".join(lines)
+    return "\n".join(filter(None, [*lines, numbers["more_draws"]]))

@@ -38,14 +38,17 @@ SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
 ENOUGH = 0.1
 """Half-width of the widest interval of the first table up to which no more draws are asked for
 [-]."""
+MOST_DRAWS = 800
+"""Draws of a claim at most, where no number is asked for."""
 HOPE = 2.0
 """`draws_needed`, an estimate to within about half, is out of reach above HOPE times the most
 draws."""
 
 
 class Likeness(NamedTuple):
-    """Of a survey and twins: away: distances (2, n) of STATES; weight: (2, n); strange: share of
-    visible patterns that are less strange than the survey [-]."""
+    """Of a survey and twins: away: distances (2, n) of STATES, infinite of what is in no claim;
+    weight: (2, n); strange: share of visible patterns that are less strange than the survey
+    [-]."""
 
     away: np.ndarray
     weight: np.ndarray
@@ -61,17 +64,14 @@ def likeness_of(twins, survey, wall):
     pairs = pairwise(
         Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known
     )
-    return Likeness(away, kernel(away, shown), strange_share(away[shown], pairs))
-
-
-def standing(twins):
-    """Whether walls stand, (2, n) of STATES."""
-    return np.array([~twins.fell[name] for name in STATES])
+    strange = strange_share(away[shown], pairs)
+    return Likeness(np.where(shown, away, np.inf), kernel(away, shown), strange)
 
 
 def claimed(twins, seen):
     """Whether walls stand with visible cracks (2, n), of Seen of STATES: others are in no claim."""
-    return standing(twins) & np.array([one.length.sum(axis=1) > 0 for one in seen])
+    cracked = np.array([one.length.sum(axis=1) > 0 for one in seen])
+    return cracked & ~np.array([twins.fell[name] for name in STATES])
 
 
 def answers(twins, likeness, survey):
@@ -93,9 +93,7 @@ def answers(twins, likeness, survey):
             "all_draws": widths(every),
             "like_survey": widths(worlds, known["max_width_mm"], known["width_error_mm"]),
         }
-    nearest = np.argsort(np.where(standing(twins), away, np.inf).ravel(), kind="stable")[
-        :SHOWN_NEAREST
-    ]
+    nearest = np.argsort(away.ravel(), kind="stable")[:SHOWN_NEAREST]
     why = reasons(known, min(number.values()), strange)
     return {
         "draws": len(twins),
@@ -116,6 +114,7 @@ def answers(twins, likeness, survey):
                 "distance": float(away.ravel()[place]),
             }
             for place in nearest
+            if np.isfinite(away.ravel()[place])
         ],
     }
 
@@ -137,6 +136,15 @@ def draws_needed(numbers):
     """Draws by which LEAST_DRAWS would resemble the survey, in proportion to those that do now."""
     like = min(numbers["effective_draws"].values())
     return LEAST_DRAWS * numbers["draws"] / like if like > 0 else np.inf
+
+
+def largest_share(draws):
+    """Upper 95 % bound of the share of draws that resemble a survey where none of so many does [-].
+
+    >>> round(largest_share(10), 2), round(largest_share(96), 2)
+    (0.26, 0.03)
+    """
+    return 1 - 0.05 ** (1 / draws)
 
 
 def shaking(exposure, twins):

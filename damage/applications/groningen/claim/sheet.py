@@ -1,5 +1,5 @@
-"""The sheet of a claim: one A4 page of HTML, in English or Dutch, of the numbers of
-`damage.applications.groningen.claim.numbers`."""
+"""The sheet of a claim, HTML for both sides of an A4 sheet, in English or Dutch: the numbers of
+`damage.applications.groningen.claim.numbers`, and pictures of the front."""
 
 import os
 from contextlib import suppress
@@ -17,14 +17,23 @@ from damage.applications.groningen.claim.answer import (
     STRANGEST,
     WITHOUT,
 )
+from damage.applications.groningen.claim.numbers import (
+    MOST_DRAWS,
+    draws_needed,
+    lacks_draws,
+    largest_share,
+)
 from damage.applications.report.words import environment, number, of_hundred, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
+from damage.measure.evidence import evidence_for
 from damage.units import MILLIMETRE
 
 NUMBERS, SHEET, FORMER = "claim.json", "claim.html", "former-"
 """Files of the numbers and the sheet; what their names begin with once they are of an earlier
 command."""
+LETTERS = 32
+"""Of pictures: how often the height of letters goes into the size of the front."""
 MARGIN_MM, THINNEST_MM, DRAWN_MM = 60, 10, 40
 """Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and
 what 1 mm adds."""
@@ -73,7 +82,7 @@ def sheet(numbers, wall, survey, twins, language, json_name):
             places=_places,
             pictures=_pictures(numbers, wall, survey, twins, say, shown),
             taken=_taken(numbers, say, shown),
-            evidence=_evidence(numbers["evidence"], say, shown),
+            evidence=_evidence(numbers["evidence"], language),
             json_name=json_name,
             software=_software(numbers["made_by"]),
         )
@@ -109,6 +118,29 @@ def in_words(numbers, language="en"):
     }
 
 
+def whether_more_draws_help(numbers, language):
+    """A sentence on what more draws would give, None where an answer does not lack them."""
+    say, shown = partial(words, language), partial(number, language)
+    if not numbers["no_answer"]:
+        return None
+    if not lacks_draws(numbers):
+        return say("more_no")
+    needed = draws_needed(numbers)
+    if np.isfinite(needed):
+        return say("more_in_proportion", n=shown(needed), limit=LEAST_DRAWS)
+    share, most = largest_share(numbers["draws"]), numbers["draws_to_come"] or MOST_DRAWS
+    return say(
+        "more_of_none",
+        can=say("more_can" if share * most >= LEAST_DRAWS else "more_cannot"),
+        n=numbers["draws"],
+        nearest=shown(min((one["distance"] for one in numbers["nearest"]), default=None)),
+        farthest=shown(numbers["farthest"]),
+        share=shown(100 * share),
+        most=most,
+        limit=LEAST_DRAWS,
+    )
+
+
 def _beyond(value, limit, shown):
     """A value in as many digits, two or more, as tell it from its limit."""
     texts = (shown(value, digits) for digits in range(2, 10))
@@ -122,7 +154,6 @@ def _helps(numbers):
         return []
     survey = numbers["survey"]
     helps = {
-        "draws": open_why == {"draws"},
         "front": bool(open_why & {"strange", "off_joints"}),
         "levels": "drawn" in numbers["settlement"],
         "limit": not survey["detection_limit_known"],
@@ -231,9 +262,26 @@ def _units(units, say):
     return [] if along == up == 1 else [say("units", along=along, up=up)]
 
 
-def _evidence(evidence, say, shown):
+def outside_at_rest(wall, language):
+    """A sentence on what of the front, a Layout, lies outside the range of validity, whatever
+    shakes it."""
+    given = {"loading": {"kind": "none"}, "pier_stress_pa": wall.pier_stress}
+    evidence = evidence_for(wall.wall, given)
+    for one in evidence.values():
+        one["outside_share"] = float(one["inside"] is False)
+    return _evidence(evidence, language)
+
+
+def _evidence(evidence, language):
+    say, shown = partial(words, language), partial(number, language)
     outside = [
-        say(f"quantity {name}") + (share < 1) * say("in_runs", share=shown(100 * share))
+        say(
+            "quantity_outside",
+            name=say(f"quantity {name}"),
+            range=say("range", least=shown(one["least"], 3), most=shown(one["most"], 3)),
+            unit=one["unit"] and f" {one['unit']}",
+        )
+        + (share < 1) * say("in_runs", share=shown(100 * share))
         for name, one in evidence.items()
         if (share := one["outside_share"]) > 0
     ]
@@ -266,7 +314,10 @@ def _pictures(numbers, wall, survey, twins, say, shown):
                 parts["width_m"].to_numpy(float),
                 "#b00",
                 say("survey"),
-                [(one["crack"], *one["from_m"]) for one in numbers["cracks"]],
+                [
+                    (f"{one['crack']} {shown(one['width_mm'])} mm", *one["from_m"])
+                    for one in numbers["cracks"]
+                ],
             ),
             f"{say('survey')}: {caption}",
         )
@@ -277,7 +328,10 @@ def _pictures(numbers, wall, survey, twins, say, shown):
         seen = cracked(width, survey.detection_limit_m)
         key = "nearest" if one["distance"] <= numbers["farthest"] else "nearest_unlike"
         text = say(key, cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
-        found.append((front(wall, twins.ends[seen], width[seen], "#046", text), text))
+        widest = np.argmax(width)
+        label = f"{shown(width[widest] / MILLIMETRE)} mm", *twins.ends[widest][0]
+        labels = [label] if seen.any() else []
+        found.append((front(wall, twins.ends[seen], width[seen], "#046", text, labels), text))
     return found
 
 
@@ -303,12 +357,15 @@ def front(wall, ends, width_m, colour, label, names=()):
         for (a, b), w in zip(ends, width_m)
     )
     texts = "".join(
-        f'<text x="{mm(x)}" y="{mm(wall.wall.built_height - z)}">{Markup.escape(text)}</text>'
+        f'<text x="{mm(x)}" y="{mm(wall.wall.built_height - z)}" dy="-.4em"'
+        f' text-anchor="{"end" if 2 * x > wall.wall.length else "start"}">'
+        f"{Markup.escape(text)}</text>"
         for text, x, z in names
     )
     box = f"{-MARGIN_MM} {-MARGIN_MM} {length + 2 * MARGIN_MM:.0f} {height + 2 * MARGIN_MM:.0f}"
     return Markup(
-        f'<svg viewBox="{box}" role="img" aria-label="{Markup.escape(label)}"><path class="bricks"'
+        f'<svg viewBox="{box}" font-size="{max(length, height) / LETTERS:.0f}" role="img"'
+        f' aria-label="{Markup.escape(label)}"><path class="bricks"'
         f' d="{bricks}"/><path class="ground" d="M{-MARGIN_MM}'
         f' {height:.0f}h{length + 2 * MARGIN_MM:.0f}"/><g stroke="{colour}">{lines}</g>'
         f"{texts}</svg>"
