@@ -291,8 +291,9 @@ def test_a_photograph_whose_openings_are_elsewhere_is_refused(client):
 
 
 def test_a_front_is_edited_as_a_drawing(client, tmp_path):
-    found = done(client, "front", text=FRONT, kept=False)
-    assert not (tmp_path / "out/house.toml").exists() and found["course"] == 0.075
+    found = done(client, "front", text=FRONT)
+    assert (tmp_path / "out/house.toml").read_text() == FRONT and found["course"] == 0.075
+    assert found["outside"]["en"].startswith("Outside the model's range of validity in 2 of 8")
     assert found["openings"] == [[0.3375, 0.15, 0.7875, 0.45]]
     table = found["table"] | {
         "precompression": 0,
@@ -371,6 +372,7 @@ def test_a_survey_that_was_drawn_is_on_the_joints_and_read_back(client, tmp_path
         and found["psi"] == pytest.approx(2 * 0.4**0.3)
     )
     state = get(client, "api/state").get_json()
+    assert state["survey"] == found, "the stairs are there after a reload"
     assert state["drawn"] == {
         "cracks": [CRACK],
         "areas": [[0.8, 0.1, 1.1, 0.5]],
@@ -411,6 +413,11 @@ AWAY = drawn(CRACK | {"points": [[5, 5], [9, 9]]})
         ("survey", drawn(CRACK, CRACK | {"label": "#1"}), "is there twice"),
         ("survey", drawn(CRACK | {"points": [[10**400, 0.1], [0.3, 0.3]]}), "crack 1"),
         ("address", {"latitude": 53, "longitude": -(10**400)}, "longitude"),
+        (
+            "address",
+            {"latitude": None, "longitude": 6.7},
+            "^latitude is missing: expected a number",
+        ),
         ("survey", AWAY, "the survey.*0 %"),
         ("front", {"text": FRONT.replace("length", "lenght")}, "lenght"),
         ("front", {"text": 3}, "characters of TOML"),
@@ -433,7 +440,9 @@ def test_what_the_page_cannot_do_is_one_line_and_leaves_what_was_accepted(
 
 def test_a_claim_does_not_start_without_a_survey(client):
     done(client, "front", text=FRONT)
-    assert "the survey is missing" in refused(client, "start", **START)
+    assert refused(client, "start", **START) == (
+        "the survey is missing; expected it in step 4 of the page"
+    )
 
 
 @pytest.mark.parametrize("name", ["claim/patterns", "claim/tables/a.csv", "claim.log"])
@@ -631,3 +640,12 @@ def test_the_page_names_words_that_are_there():
     program = "".join((PAGE / name).read_text(encoding="utf-8") for name in ("app.html", "app.js"))
     named = re.findall(r"words\.(\w+)", program) + re.findall(r'fill\("(\w+)"', program)
     assert {*named} - {"get", "items"} <= {*words()}
+    assert not re.search(r"\(k?[gmP]", str(words())), "units are in brackets, as on the sheet"
+
+
+def test_fronts_to_begin_with_have_names_in_words(client):
+    """Specimens of joints, such as couplet and triplet, are no fronts."""
+    fronts = get(client, "api/state").get_json()["fronts"]
+    assert {f"front_{name}" for name in fronts} == {
+        key for key in words() if re.fullmatch(r"front_(?!is|text|unsent).*", key)
+    }

@@ -3,6 +3,7 @@ folder --out."""
 
 import contextlib
 import hashlib
+import json
 import os
 import re
 import signal
@@ -21,7 +22,7 @@ from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, read_crac
 from damage.applications.cracks.survey import read_survey
 from damage.applications.groningen.app.photo import cleaned, homography, rectified, turns
 from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS, size_of
-from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
+from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, outside_at_rest, set_aside
 from damage.applications.groningen.claim.twins import write_twins
 from damage.applications.groningen.exposure.exposure import strongest
 from damage.applications.groningen.exposure.lives import draws_of
@@ -47,6 +48,8 @@ HOUSE, PHOTO, STRAIGHT, SURVEY, LEVELS, LOG = (
     "levels.csv",
     "claim.log",
 )
+STEP_OF = {HOUSE: 2, PHOTO: 3, SURVEY: 4, LEVELS: 5}
+"""{file: step of the page that makes it}."""
 RESULTS = "claim"
 """Folder of the runs, below --out."""
 SHOWN = {
@@ -64,7 +67,7 @@ EVENTS = 8
 POINT_ERROR_M = 0.02
 """How far a marked place may be from the corner of the outline that it stands for [m]."""
 BRICKS = [1, 1]
-SHARE = re.compile(r"^\d+ \w+ \d+ \w+, ([\d.]+) %", re.MULTILINE)
+SHARE = re.compile(r"^\d+ \w+ \d+ \w+, (\d+)[\d.,]* %", re.MULTILINE)
 """Of the log: how much is simulated."""
 TAIL = 12  # lines of the log that the page shows
 
@@ -111,32 +114,28 @@ class Desk:
         return found | {"events": strongest(found, EVENTS)}
 
     def fronts(self):
-        """{name: text} of the fronts that ship as data, to begin with."""
+        """{name: text} of the fronts that ship as data and have a name in words, to begin with."""
         return {
             name: path.read_text(encoding="utf-8")
             for name, path in sorted(shipped_walls().items())
-            if path.suffix == ".toml"
+            if f"front_{name}" in words()
         }
 
-    def front(self, text, kept=True):
-        """The front that a text in TOML describes: its size, bricks and joints, to be drawn, its
-        text and table; kept: whether it is that of the claim from now on."""
+    def front(self, text):
+        """The front that a text in TOML describes, that of the claim from now on: its size, bricks
+        and joints, to be drawn, its text and table."""
         if not isinstance(text, str) or len(text) > MOST_TEXT:
             raise InputError(
                 f"the front: expected up to {MOST_TEXT} characters of TOML; shorten it"
             )
         text = text.removeprefix("\ufeff")
-        if kept:
-            before = None
-            with contextlib.suppress(InputError):  # there is none yet, or none that can be read
-                before = _view(self.layout())
-            layout = self._keep(HOUSE, "the front", text, _laid_out)
-            if _view(layout) != before:  # the photograph was straightened to another front
-                self.path(STRAIGHT).unlink(missing_ok=True)
-            found = _drawn(layout, text)
-            return found | {"straight": self.path(STRAIGHT).exists()}
-        with TemporaryDirectory() as folder:
-            return _drawn(_laid_out(write_text(Path(folder) / HOUSE, text)), text)
+        before = None
+        with contextlib.suppress(InputError):  # there is none yet, or none that can be read
+            before = _view(self.layout())
+        layout = self._keep(HOUSE, "the front", text, _laid_out)
+        if _view(layout) != before:  # the photograph was straightened to another front
+            self.path(STRAIGHT).unlink(missing_ok=True)
+        return _drawn(layout, text) | {"straight": self.path(STRAIGHT).exists()}
 
     def sketch(self, table):
         """The front of a table that was edited as a drawing, as of `front`."""
@@ -184,7 +183,7 @@ class Desk:
     def _given(self, name, what):
         path = self.path(name)
         if not path.exists():
-            raise InputError(f"{what} is missing; expected it before this step; give it first")
+            raise InputError(f"{what} is missing; expected it in step {STEP_OF[name]} of the page")
         return path
 
     # --- photograph -------------------------------------------------------------------------------
@@ -240,11 +239,7 @@ class Desk:
             _as_csv(cracks, areas, limit_mm, error_mm),
             lambda path: read_survey(path, layout),
         )
-        ends = tributary_ends(joint_table(layout))[found.table["joint"]]
-        return found.as_dict() | {
-            "file": SURVEY,
-            "joints": np.round(ends.reshape(-1, 4), 4).tolist(),
-        }
+        return _surveyed(found, layout)
 
     def levels(self, text):
         """Keep levels of a course, text in CSV; their profile."""
@@ -343,7 +338,7 @@ class Desk:
             if self.path(name).read_text(encoding="utf-8") != text:
                 raise InputError(
                     f"{what} was changed since it was sent and would not be in the run; expected it"
-                    " as it was sent; send it by its button, or take the change back"
+                    " as it was sent; send it again in its step, or take the change back"
                 )
 
     def _settled(self, settle, distortion):
@@ -365,7 +360,11 @@ class Desk:
         text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else ""
         lines = text.replace("\r", "\n").split("\n")
         shares = SHARE.findall(text)
+        more = None
+        with contextlib.suppress(OSError, ValueError):  # there is no sheet yet
+            more = json.loads(self.path(f"{RESULTS}/{NUMBERS}").read_text())["more_draws"]
         return {
+            "more": more,
             "share": float(shares[-1]) / 100 if shares else None,
             "running": self.running,
             "status": status,
@@ -388,15 +387,29 @@ class Desk:
     def state(self):
         """What there is already of the claim: after a restart the page continues with it."""
         house, survey = self.path(HOUSE), self.path(SURVEY)
+        layout = self.layout() if house.exists() else None
+        on_joints = None
+        with contextlib.suppress(InputError):  # of another front
+            if layout and survey.exists():
+                on_joints = _surveyed(read_survey(survey, layout), layout)
         return {
             "folder": hashlib.sha256(str(self.out).encode()).hexdigest()[:16],
-            "front": house.exists() and self.front(house.read_text(encoding="utf-8"), kept=False),
+            "front": layout and _drawn(layout, house.read_text(encoding="utf-8")),
             "drawn": _redrawn(read_cracks(survey)[-1]) if survey.exists() else None,
+            "survey": on_joints,
             "photo": self.path(PHOTO).exists(),
             "straight": self.path(STRAIGHT).exists(),
             "fronts": self.fronts(),
             **self.progress(),
         }
+
+
+def _surveyed(survey, layout):
+    """What the page shows of a Survey: its numbers, and the joints of a Layout that it is put on,
+    x, z of both ends [m]."""
+    ends = tributary_ends(joint_table(layout))[survey.table["joint"]]
+    joints = np.round(ends.reshape(-1, 4), 4).tolist()
+    return survey.as_dict() | {"file": SURVEY, "joints": joints}
 
 
 def _laid_out(path):
@@ -431,6 +444,7 @@ def _drawn(layout, text):
         "openings": np.round(_openings(layout.plan), 4).tolist(),
         "floors": sorted({float(one.above * wall.brick.height) for one in layout.plan.floors}),
         "contact_points": layout.n_joints,
+        "outside": {language: outside_at_rest(layout, language) for language in LANGUAGES},
     }
 
 
@@ -517,9 +531,11 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
     if (
         not isinstance(cracks, list)
         or not isinstance(areas, list)
-        or len(cracks) + len(areas) > MOST_LINES
+        or not 1 <= len(cracks) + len(areas) <= MOST_LINES
     ):
-        raise InputError(f"the survey: expected up to {MOST_LINES} cracks and areas; take some out")
+        raise InputError(
+            f"the survey: expected 1 to {MOST_LINES} cracks and areas; draw one, or take some out"
+        )
     accuracy = {"detection_limit_mm": float(limit_mm), "width_error_mm": float(error_mm)}
     rows = []
     for number, crack in enumerate(cracks, start=1):

@@ -5,6 +5,7 @@ const by = (id) => document.getElementById(id);
 const fill = (key, values) => words[key].replace(/\{(\w+)\}/g, (_, name) => values[name]);
 const shown = (value, digits = 2) => new Intl.NumberFormat(document.documentElement.lang,
   { maximumSignificantDigits: digits, useGrouping: false }).format(value);
+const localized = (value) => String(value).replace(/[.,]/, document.documentElement.lang === "nl" ? "," : ".");
 const number = (text) => text.trim() === "" ? null : Number(text.trim().replace(",", "."));
 const field = (id) => number(by(id).value);
 const MARGIN = 0.1;  // around the wall [m], as in photo.py
@@ -291,7 +292,7 @@ function choose(one) {
 
 // The fields show what the drawing has, but for one in which someone types.
 function show(id, value) {
-  if (document.activeElement !== by(id)) by(id).value = value ?? "";
+  if (document.activeElement !== by(id)) by(id).value = localized(value ?? "");
 }
 function filled() {
   const roof = isGable() ? table.outline[1][1] : null;
@@ -521,7 +522,7 @@ function changed() {
       }, words.label);
       const length = one.points.slice(1).reduce((sum, [x, z], k) => sum + Math.hypot(x - one.points[k][0], z - one.points[k][1]), 0);
       cells(row, [shown(length, 3)]);
-      cell(row, String(one.width_mm), (input) => { if (checked(input, "width")) one.width_mm = number(input.value); },
+      cell(row, localized(one.width_mm), (input) => { if (checked(input, "width")) one.width_mm = number(input.value); },
         `${words.width} ${one.label}`);
       cells(row, [words[one.offset]]);
     } else cells(row, [words.area, "", "", ""]);
@@ -541,25 +542,31 @@ by("undo").addEventListener("click", undo);
 const survey = () => ({ cracks, areas: areas.map(([x, z, right, top]) => [[x, z], [right, top]]),
   limit_mm: field("limit"), error_mm: field("error") });
 
-by("put-on-joints").addEventListener("click", async () => {
-  finish();
-  const found = await ask("survey", survey(), "said-cracks");
-  if (!found) return;
+function showJoints(found) {
   joints = found.joints;
   say("said-cracks", fill("share", { share: shown(100 * found.share_on_joints, 3), length: shown(found.crack_length_m, 3),
     apart: shown(1000 * found.apart_m, 2) }));
   board.paint();
+}
+
+by("put-on-joints").addEventListener("click", async () => {
+  finish();
+  const found = await ask("survey", survey(), "said-cracks");
+  if (found) showJoints(found);
 });
 
 function showFront(found) {
   const place = chosen && [..."openings floors".split(" ").map((name) => [name, (table[name] || []).indexOf(chosen)])].find(([, k]) => k >= 0);
   const typed = front ? String(front.corners) === String(found.corners) : by("point-1").value !== "";
   [front, table, unsent] = [found, found.table, false];
+  if (!table.outline) table.height = rounded(found.height);
+  found.openings.forEach(([, low, , upper], k) => Object.assign(table.openings[k], { sill: low, height: rounded(upper - low) }));
   chosen = place ? (table[place[0]] || [])[place[1]] || null : null;
   by("front-text").value = found.text;
-  say("said-front", fill("front_is", { name: found.name, length: shown(found.length, 4), height: shown(found.height, 4),
+  by("outside").textContent = found.outside[document.documentElement.lang];
+  say("said-front", fill("front_is", { name: words[`front_${found.name}`] ?? found.name, length: shown(found.length, 4), height: shown(found.height, 4),
     points: found.contact_points }));
-  if (!typed) found.corners.forEach(([x, z], k) => { by(`point-${k + 1}`).value = `${+x.toFixed(4)} ${+z.toFixed(4)}`; });
+  if (!typed) found.corners.forEach(([x, z], k) => { by(`point-${k + 1}`).value = [x, z].map((value) => localized(rounded(value))).join(" "); });
   sketch.size(scene().wide, scene().high);
   filled();
   sketch.paint();
@@ -570,13 +577,13 @@ function showFront(found) {
   showSize();
 }
 
-async function useText(kept = true) {
-  const found = await ask("front", { text: by("front-text").value, kept }, "said-front");
+async function useText() {
+  const found = await ask("front", { text: by("front-text").value }, "said-front");
   if (!found) return;
   showFront(found);
   changed();
 }
-by("use-front").addEventListener("click", () => useText());
+by("front-text").addEventListener("change", useText);
 
 // How large the claim is, once its front and its address are there.
 const units = () => by("units").value.split(" ").map(Number);
@@ -595,13 +602,13 @@ by("units").addEventListener("change", showSize);
 
 // --- address, settlement, runs
 
-by("show-earthquakes").addEventListener("click", async () => {
+async function showEarthquakes() {
   const found = await ask("address", { latitude: field("latitude"), longitude: field("longitude") }, "said-address");
   if (!found) return;
   const body = by("earthquakes").tBodies[0];
   body.replaceChildren();
   for (const event of found.events) {
-    cells(body.insertRow(), [event.time_utc, shown(event.magnitude), event.place, shown(event.epicentral_km),
+    cells(body.insertRow(), [event.time_utc.slice(0, 16).replace("T", " "), shown(event.magnitude), event.place, shown(event.epicentral_km),
       shown(event.median_mm_s, 3), shown(event.one_percent_mm_s, 3)]);
   }
   by("earthquakes").hidden = false;
@@ -610,7 +617,8 @@ by("show-earthquakes").addEventListener("click", async () => {
   ends.textContent = fill("catalogue_ends", { date: found.catalogue_ends });
   by("said-address").append(ends, ...found.warnings.map((one) => ` ${one}`));
   showSize();
-});
+}
+by("show-earthquakes").addEventListener("click", showEarthquakes);
 
 by("settle").addEventListener("change", () => {
   const chosen = by("settle").value;
@@ -635,6 +643,7 @@ function showProgress(found) {
   else by("share").value = found.share;
   by("log").textContent = found.lines.join("\n");
   by("sheet").hidden = !found.sheet || found.running;
+  by("more").textContent = found.more;
   const key = found.running ? "running" : found.status === null ? null : found.status === 0 ? "done" :
     found.status < 0 || found.status === 130 || found.status === 143 ? "stopped" : "failed";
   const pace = found.running && found.lines.filter((one) => one.includes(" %")).at(-1);
@@ -674,21 +683,22 @@ window.addEventListener("pagehide", keep);
 async function begin() {
   const state = await ask("state", undefined, "said-front");
   if (!state) return;
-  for (const name of Object.keys(state.fronts)) by("fronts").add(new Option(name, name));
+  for (const name of Object.keys(state.fronts)) by("fronts").add(new Option(words[`front_${name}`], name));
   by("fronts").addEventListener("change", () => {
     by("front-text").value = state.fronts[by("fronts").value];
-    useText(false);
+    useText();
   });
   by("front-text").value = state.front ? state.front.text : state.fronts[by("fronts").value];
   const kept = JSON.parse(localStorage.getItem(`damage ${state.folder}`) || "null");
   for (const [id, value] of Object.entries(kept ? kept.fields : {})) if (id && by(id)) by(id).value = value;
+  for (const one of document.querySelectorAll("[inputmode=decimal]")) one.value = localized(one.value);
   const text = by("front-text").value;
   if (state.front) showFront(state.front);
-  else await useText(false);
+  else await useText();
   if (text !== by("front-text").value) by("front-text").value = text;
   const drawn = kept || state.drawn;
   if (drawn) [cracks, areas, open] = [drawn.cracks, drawn.areas, drawn.open || []];
-  if (!kept && drawn) [by("limit").value, by("error").value] = [drawn.limit_mm, drawn.error_mm];
+  if (!kept && drawn) [by("limit").value, by("error").value] = [drawn.limit_mm, drawn.error_mm].map(localized);
   if (kept && kept.table) {
     table = kept.table;
     await sent();
@@ -696,6 +706,9 @@ async function begin() {
   draft = `damage ${state.folder}`;
   tab("drawing");
   changed();
+  const same = (one) => JSON.stringify([one.cracks, one.areas]);
+  if (state.survey && same({ cracks, areas }) === same(state.drawn)) showJoints(state.survey);
+  if (field("latitude") !== null && field("longitude") !== null) await showEarthquakes();
   by("settle").dispatchEvent(new Event("change"));
   if (state.photo) await showPhoto();
   if (kept && kept.pixels) pixels = kept.pixels;
