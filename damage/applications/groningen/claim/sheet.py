@@ -79,7 +79,6 @@ def sheet(numbers, wall, survey, twins, language, json_name):
             rows=ROWS,
             but_for=BUT_FOR,
             without=WITHOUT,
-            places=_places,
             pictures=_pictures(numbers, wall, survey, twins, say, shown),
             taken=_taken(numbers, say, shown),
             evidence=_evidence(numbers["evidence"], language),
@@ -196,13 +195,6 @@ def _answer(numbers, say, shown):
             )
         )
     return found
-
-
-def _places(crack, shown):
-    """Both ends of a crack in words."""
-    return " - ".join(
-        f"({shown(x, 3)}; {shown(z, 3)})" for x, z in (crack["from_m"], crack["to_m"])
-    )
 
 
 def _taken(numbers, say, shown):

@@ -271,7 +271,7 @@ function drawSketch(pen, width) {
     [[one.left, sill], [one.left + one.width, sill + one.height]].forEach((point) => dot(pen, at(point), colour, 13));
     pen.fillStyle = colour;
     const [x, y] = at([one.left, sill + one.height / 2]);
-    pen.fillText(`${k + 1}: ${shown(one.width, 3)} × ${shown(one.height, 3)}`, x + 14, y);
+    pen.fillText(`${k + 1}: ${shown(one.width, 3)} × ${shown(one.height, 3)} m`, x + 14, y);
   }
 }
 
