@@ -66,6 +66,11 @@ def _run(arguments, quiet):
     parser = command_parser()
     asked = parser.parse_args(arguments)
     _keep_sources(parser._subparsers._group_actions[0].choices[arguments[0]], asked)
+    if getattr(asked, "style", None):
+        from damage.draw.style import printed  # matplotlib starts slowly
+
+        with printed(asked.style):
+            return asked.command(asked) or 0
     return asked.command(asked) or 0
 
 

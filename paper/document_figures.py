@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.draw.panels import add_heading, finish, grid, letter
+from damage.draw.panels import finish, grid, letter
 from damage.draw.style import (
     BLACK,
     BLUE,
@@ -25,6 +25,7 @@ from damage.draw.style import (
     ORANGE,
     SKY,
     VERMILLION,
+    put_title,
     save_picture,
     styled,
 )
@@ -45,7 +46,7 @@ def panels(height, *titles, **options):
 
 def finished(figure, columns, *heading):
     """Adds a heading, and a legend of what is drawn with a label; returns the figure."""
-    add_heading(figure, *heading)
+    put_title(figure, *heading)
     labelled = {}
     for ax in figure.axes:
         for handle, label in zip(*ax.get_legend_handles_labels()):

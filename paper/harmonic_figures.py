@@ -17,6 +17,7 @@ from damage.draw.style import (
     SKY,
     VERMILLION,
     line_handle,
+    put_title,
     shade_settling,
     styled,
 )
@@ -60,7 +61,7 @@ def motions(points):
         ax.set_ylabel("acceleration [g]")
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    panels.add_heading(figure, "Harmonic base motions", marks.scale_note(axes))
+    put_title(figure, "Harmonic base motions", marks.scale_note(axes))
     return panels.finish(figure, [line_handle(colours[a], f"{a:g} g") for a in amplitudes], 5)
 
 
@@ -97,7 +98,7 @@ def evolution(results, variant):
     if variant.reference["members"].max() > 1:
         handles.append(Patch(color="0.8", label="range of DI over runs"))
     handles.append(Patch(color=LIGHT, label="settling"))
-    panels.add_heading(
+    put_title(
         figure,
         f"Damage index over time: {variant.title}",
         "components: first run of each motion,"
@@ -165,7 +166,7 @@ def against_amplitude(results, variant, slip="displacement"):
     printed = [period_s for period_s in periods if largest_di(variant, period_s) is not None]
     for ax in axes[-1]:
         ax.set_xlabel("amplitude [g]")
-    panels.add_heading(
+    put_title(
         figure,
         f"Damage index against amplitude: {variant.title}",
         panels.SLIP_LABELS[slip],
@@ -208,7 +209,7 @@ def drifts(results, variant):
         ax.ticklabel_format(axis="y", style="plain", useOffset=False)
         ax.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
-    panels.add_heading(
+    put_title(
         figure,
         f"Drift ratio over time, motion of {period_s:g} s: {variant.title}",
         "T: duration of the last full cycle, the last that begins while the base moves",

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from damage.draw import panels
-from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, line_handle, styled
+from damage.draw.style import BLACK, BLUE, MEDIUM, VERMILLION, line_handle, put_title, styled
 from damage.draw.words import record_label
 from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
@@ -70,7 +70,7 @@ def records(results, points):
     axes[-1, 0].set_xlabel("time [s]")
     axes[-1, 1].set_xlabel("period [s]")
     notes = dict.fromkeys(marks.scale_note(column) for column in axes.T)
-    panels.add_heading(
+    put_title(
         figure,
         "Records and their response spectra at all scale factors",
         _synthetic_note(names),
@@ -127,7 +127,7 @@ def residual_against_pga(variant, slip="displacement"):
     axes[0, 0].set_xlim(left=0)  # of all panels, once all is drawn
     panels.from_zero(axes[0, 0], marks.NOTHING)
     axes[-1, 0].set_xlabel("PGA [g]")
-    panels.add_heading(
+    put_title(
         figure,
         f"Residual damage index against PGA: {variant.title}",
         panels.SLIP_LABELS[slip],
@@ -172,7 +172,7 @@ def against_drift(variant, slip="displacement"):
         panels.letter(ax, number, f"{'maximum' if state == 'max' else 'residual'} DI{label or ''}")
         ax.set(xlabel="maximum drift ratio [%]", ylabel="damage index [-]", xlim=(0, None))
         panels.from_zero(ax, marks.NOTHING)
-    panels.add_heading(
+    put_title(
         figure,
         f"Damage index against maximum drift: {variant.title}",
         panels.SLIP_LABELS[slip],

@@ -7,7 +7,17 @@ from matplotlib.lines import Line2D
 
 from damage.draw import panels
 from damage.draw.run import draw_wall, joint_handles
-from damage.draw.style import BLACK, BLUE, GREEN, LIGHT, MEDIUM, VERMILLION, line_handle, styled
+from damage.draw.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LIGHT,
+    MEDIUM,
+    VERMILLION,
+    line_handle,
+    put_title,
+    styled,
+)
 from damage.draw.wall import wall_shape
 from damage.measure.cycles import shocks_table
 from damage.motion.loading import Harmonic
@@ -54,7 +64,7 @@ def crack_maps(results, variant):
                 f"{shapes[-1].magnification:g}",
             )
     widest = max(shapes, key=lambda shape: shape.crack_width_m.max(initial=0))
-    panels.add_heading(
+    put_title(
         figure, f"Cracks, {variant.title}: the most damaging motions, first run of each, {solver}"
     )
     return panels.finish(figure, joint_handles(widest), columns=5)
@@ -101,7 +111,7 @@ def sequences(results, points):
     for ax in axes.flat[len(points) :]:
         ax.set_axis_off()
     solver = "reference solver" if points["solver"].iloc[0] == REFERENCE else "YADE"
-    panels.add_heading(
+    put_title(
         figure,
         f"Damage index shock by shock: {' and '.join(points['wall'].unique())} wall",
         f"{solver}, {marks.describe_members(points)}; residual: after each shock's rest and"
@@ -183,7 +193,7 @@ def choices(points):
         if name not in ("cells", "beta_s")
     ]
     walls = " and ".join(points["wall"].unique())
-    panels.add_heading(
+    put_title(
         figure,
         f"Maximum damage index by modelling choice: {walls} wall",
         f"reference solver, {marks.describe_members(points)}; default: {', '.join(default)}",

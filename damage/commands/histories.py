@@ -8,6 +8,7 @@ from damage.commands.table import (
     HISTORY,
     JSON,
     PSI_FROM,
+    STYLE,
     all_tables,
     command,
     out,
@@ -93,7 +94,8 @@ def _info(asked):
     "the pictures of a history, PNG and PDF",
     HISTORY,
     out("folder for the pictures"),
-    examples=("run.h5 --out pictures", "results/quick/runs/run.h5 --out pictures/run"),
+    STYLE,
+    examples=("run.h5 --out pictures", "results/quick/runs/run.h5 --out figures --style paper"),
 )
 def _plot(asked):
     from damage.draw.house import save_all
@@ -112,6 +114,7 @@ def _plot(asked):
         help="rest, max, end, times [s] (default rest,max,end)",
     ),
     out("folder for tables and pictures", required=False),
+    STYLE,
     examples=("run.h5", "run.h5 --at rest,1.25 --out stresses"),
 )
 def _stresses(asked):

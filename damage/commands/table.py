@@ -95,6 +95,14 @@ WALL = file_arg("wall", "WALL", f"a wall file, or the name of a wall that ships.
 HISTORY = file_arg("history", "FILE.h5")
 HISTORIES = file_arg("histories", "FILE.h5", nargs="+")
 JSON = output(flag("--json", "as JSON"))
+STYLE = output(
+    arg(
+        "--style",
+        metavar="paper|FILE.mplstyle",
+        help="pictures for print, without titles: in 8 pt, or in a matplotlib style of yours",
+    )
+)
+"""The option --style of a command that draws; `printed` of `damage.draw.style` follows it."""
 DAMAGE = "what counts as damage"
 
 

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from damage.arguments import arg, file_arg, flag, group, number_from
-from damage.commands.table import JSON, WALL, command, out, output, program, save, show
+from damage.commands.table import JSON, STYLE, WALL, command, out, output, program, save, show
 from damage.errors import InputError, did_you_mean, warn
 from damage.files import json_text
 from damage.house.coarser import in_units
@@ -59,6 +59,7 @@ def _materials(asked):
     ),
     JSON,
     out("folder for a picture of the shapes", required=False),
+    STYLE,
     examples=("symmetric", "my_wall.toml --bricks deformable --out pictures"),
 )
 def _modes(asked):
@@ -103,6 +104,7 @@ def _modes(asked):
         "FILE.png|FILE.svg|FILE.pdf",
         required=False,
     ),
+    STYLE,
     examples=("symmetric", "my_wall.toml --top beam --out my_wall.svg", "small"),
 )
 def _draw(asked):
@@ -227,6 +229,7 @@ def _new_wall(asked):
             "--plot", "FILE.png", "write a picture: acceleration, velocity and response spectrum"
         )
     ),
+    STYLE,
     examples=("BGAR_HGE", "record.csv --window 17 27 --plot record.png"),
 )
 def _record(asked):

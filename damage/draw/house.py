@@ -213,14 +213,9 @@ def legend_of(history, sample, widest_pt):
     return [one for one in run.joint_handles(shape) if one.get_label() != "intact"]
 
 
-def _moment(history, sample, damage, snapshot, magnify):
+def _moment(history, sample, damage):
     time_s = history.series["time_s"].iloc[sample]
-    shown = (
-        "undeformed, no snapshot near"
-        if snapshot is None
-        else f"shape at {history.snapshot_time_s[snapshot]:.3f} s, displacements × {magnify:g}"
-    )
-    return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}; {shown}"
+    return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}"
 
 
 @style.styled
@@ -254,10 +249,11 @@ def elevation_picture(history, sample="max", magnify=None):
                 ax.invert_xaxis()
             if number:
                 ax.set_ylabel("")
-            ax.set_title(f"{placing.names[number]}, {face}", loc="left", fontsize=7)
-    moment = _moment(history, sample, damage, snapshot, magnify)
+            ax.set_title(f"{placing.names[number]}, {face}", loc="left", fontsize="medium")
+    moment = _moment(history, sample, damage)
     style.add_title(figure, history, moment, "each face is seen from in front of it")
-    style.legend_below(figure, legend_of(history, sample, widest_pt), 6)
+    handles = [*legend_of(history, sample, widest_pt), run.magnified(snapshot, magnify)]
+    style.legend_below(figure, handles, 6)
     style.settle_layout(figure)
     return figure
 
@@ -334,8 +330,9 @@ def space_picture(history, sample="max", magnify=None, azimuth=None):
     seen.show(sample, snapshot, magnify, azimuth)
     ratio = seen.fit([seen.azimuth if azimuth is None else azimuth])
     figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5))
-    style.add_title(figure, history, _moment(history, sample, damage, snapshot, magnify))
-    style.legend_below(figure, legend_of(history, sample, seen.widest_pt), columns=3)
+    style.add_title(figure, history, _moment(history, sample, damage))
+    handles = [*legend_of(history, sample, seen.widest_pt), run.magnified(snapshot, magnify)]
+    style.legend_below(figure, handles, columns=3)
     style.settle_layout(figure)
     return figure
 

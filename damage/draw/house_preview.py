@@ -58,13 +58,13 @@ def house_preview(layout):
         tables[0] = pd.concat([tables[0], slabs])
         found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
         handles |= {handle.get_label(): handle for handle in found}
-        ax.set_title(wall.name, loc="left", fontsize=7)
+        ax.set_title(wall.name, loc="left", fontsize="medium")
         ax.label_outer()
     title = f"house {house.name}: {len(bodies)} bodies, {n} contact points, "
     title += f"{layout.total_mass / 1e3:.3g} t; grey arrows: x of the walls"
     if any(corner.kind == "toothed" for corner in house.corners):
         title += "; ends that are missing are bricks of the other wall"
-    figure.suptitle(title, x=0.01, ha="left")
+    style.put_title(figure, title)
     style.legend_below(figure, list(handles.values()), columns=6)
     style.settle_layout(figure)
     return figure
@@ -105,7 +105,7 @@ def _draw_plan(ax, house):
         ylabel="y [m]",
         title=f"plan at {SECTION_M:g} m",
     )
-    ax.title.set(fontsize=7, ha="left", x=0.0)
+    ax.title.set(fontsize="medium", ha="left", x=0.0)
     return found
 
 

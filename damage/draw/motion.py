@@ -1,14 +1,12 @@
 """Picture of a ground motion: its acceleration and velocity over time, and its response
 spectrum."""
 
-from textwrap import fill
-
 import numpy as np
 import scipy  # integrate where it is used: it starts slowly
 
 from damage.draw.panels import from_zero, letter
-from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, TITLE_CHARACTERS, new_figure, styled
-from damage.draw.words import preparation
+from damage.draw.style import BLACK, BLUE, COLUMN_WIDTH, LIGHT, new_figure, put_title, styled
+from damage.draw.words import preparation, record_label
 from damage.motion.intensity import SPECTRUM_PERIODS_S, response_spectrum
 from damage.units import GRAVITY
 
@@ -45,7 +43,7 @@ def motion_picture(loading, measures):
     )
     spectrum.set_xticks(LABELLED_S, list(map("{:g}".format, LABELLED_S)))
     from_zero(spectrum)
-    letter(spectrum, 2, f"spectrum, {100 * DAMPING:g} % damping; points: ordinates as printed")
+    letter(spectrum, 2, f"spectrum, {100 * DAMPING:g} % damping; points as printed")
     steps = preparation(
         measures["scale"],
         measures["window_s"],
@@ -54,7 +52,7 @@ def motion_picture(loading, measures):
         measures["interpolated_for_s"],
     )
     steps = ", ".join(steps if measures["band_hz"] else [*steps, "not filtered"])
-    figure.suptitle(fill(f"{loading.record.name}: {steps}", TITLE_CHARACTERS), x=0.02, ha="left")
+    put_title(figure, f"{record_label(loading.record.name)}: {steps}")
     return figure
 
 

@@ -3,7 +3,7 @@ words."""
 
 from matplotlib.figure import Figure
 
-from damage.draw.style import COLUMN_WIDTH, legend_below, put_title
+from damage.draw.style import legend_below
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
 SLIP_LABELS = {
@@ -17,13 +17,6 @@ def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):
     """A Figure and its axes (rows, columns); panel_height [inch] with its labels."""
     figure = Figure(figsize=(width, rows * panel_height), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
-
-
-def add_heading(figure, *lines):
-    """Add title lines at the left; the figure grows by their height."""
-    put_title(
-        figure, filter(None, lines), round(64 * figure.get_size_inches()[0] / COLUMN_WIDTH), 0.01
-    )
 
 
 def finish(figure, handles, columns=4):
@@ -51,5 +44,5 @@ def letter(ax, number, text=""):
     """
     rounds, place = divmod(number, 26)
     ax.set_title(
-        f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize=7
+        f"({chr(ord('a') + place) * (rounds + 1)}) {text}".rstrip(), loc="left", fontsize="medium"
     )

@@ -5,6 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from damage.draw import style
+from damage.draw.words import wall_words
 from damage.units import GRAVITY
 from damage.wall.as_built import openings_as_built
 from damage.wall.geometry import body_corners, body_table, kinds_of_bodies, tributary_ends
@@ -28,9 +29,9 @@ def wall_preview(plan, bodies, joints, supports=()):
     figure, ax = style.new_figure(1.0)
     handles, ratio = draw_preview(ax, plan, bodies, joints, supports)
     figure.set_size_inches(
-        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS + 0.3
+        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS
     )
-    figure.suptitle(title_of(plan.wall, bodies, joints), x=0.02, ha="left")
+    style.put_title(figure, *title_of(plan.wall, bodies, joints))
     style.legend_below(figure, handles, columns=3)
     style.settle_layout(figure)
     return figure
@@ -84,17 +85,18 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
 
 
 def title_of(wall, bodies, joints):
-    """Two lines about a wall: name and sizes; bricks, joints, mass on top."""
+    """Two lines about a wall: name and sizes; bricks, joints, precompression."""
     n_bricks = int(np.sum(kinds_of_bodies(bodies["course"]) == "bricks"))
     kinds = joints["kind"].isin(("bed", "head"))
     return (
-        f"{wall.name}: {wall.length:.3f} x {wall.built_height:.3f} m, {wall.brick.thickness:.3g} m"
-        f" thick\n{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "
+        f"{wall_words(wall.name)}: {wall.length:.3f} x {wall.built_height:.3f} m,"
+        f" {wall.brick.thickness:.3g} m thick",
+        f"{n_bricks} bricks, {joints['length_m'][kinds].sum():.2f} m of joints, "
         + (
             f"precompression {wall.precompression / 1e6:g} MPa"
             if wall.precompression
             else "no precompression"
-        )
+        ),
     )
 
 
@@ -117,7 +119,7 @@ def _draw_floors(ax, plan):
             level,
             f"{floor.mass / TONNE:.3g} t ({floor.mass * GRAVITY / KILO:.3g} kN)",
             color=style.VERMILLION,
-            fontsize=5.5,
+            fontsize="small",
             ha="center",
             va="bottom",
             bbox=PAPER,
@@ -137,7 +139,7 @@ def _size_openings(ax, plan):
             (low + high) / 2,
             f"{part.length:.4g} x {high - low:.4g}{sill}",
             color=style.DARK,
-            fontsize=5.5,
+            fontsize="small",
             ha="center",
             va="center",
             rotation=90 * upright,
@@ -151,7 +153,7 @@ def _name_parts(ax, plan):
     h = plan.wall.brick.height
     named = {
         "color": style.BLUE,
-        "fontsize": 7,
+        "fontsize": "medium",
         "ha": "center",
         "va": "center",
         "fontweight": "bold",
@@ -194,18 +196,17 @@ def modes_picture(layout, modes):
     """
     n = len(modes.period_s)
     rows, ratio = -(-n // 2), layout.wall.built_height / layout.wall.length
-    size = 2 * style.COLUMN_WIDTH, rows * (style.COLUMN_WIDTH * ratio + 0.25) + 0.3
+    size = 2 * style.COLUMN_WIDTH, rows * (style.COLUMN_WIDTH * ratio + 0.25)
     figure = Figure(figsize=size, layout="constrained")
     for number, ax in enumerate(figure.subplots(rows, 2, squeeze=False).ravel()):
         ax.axis("off")
         if number < n:
             _draw_mode(ax, layout, modes.shape[number, :, :3])
             ax.set_title(f"mode {number + 1}: {modes.period_s[number]:.4f} s", fontsize="medium")
-    figure.suptitle(
-        f"{layout.wall.name}: natural modes with intact joints; critical time step "
+    style.put_title(
+        figure,
+        f"{wall_words(layout.wall.name)}: natural modes with intact joints; critical time step "
         f"{modes.critical_time_step_s:.3g} s",
-        x=0.02,
-        ha="left",
     )
     return figure
 

@@ -28,6 +28,7 @@ from damage.measure.energy import (
 )
 from damage.measure.joint_stress import contact_forces, sections, sections_table
 from damage.measure.limits import bound
+from damage.motion.loading import TopDisplacement
 from damage.units import GRAVITY, MILLIMETRE
 from damage.wall.geometry import body_corners, kinds_of_bodies
 
@@ -51,8 +52,8 @@ DASHES = {"elastic": (0, (3, 2))}
 DRIFT_LIMITS_PCT = [
     (100 * bound(f"drift_class_{name}", number), label, line)
     for name, number, label, line in (
-        ("korswagen_calcium_silicate", 0, "light damage begins, calcium silicate (Korswagen)", ":"),
-        ("korswagen_clay", 0, "light damage begins, clay (Korswagen)", "-."),
+        ("korswagen_calcium_silicate", 0, "light damage, calcium silicate (Korswagen)", ":"),
+        ("korswagen_clay", 0, "light damage, clay (Korswagen)", "-."),
         ("graziotti", 0, "no damage up to here (Graziotti et al.)", "--"),
         ("graziotti", 1, "minor structural damage (Graziotti et al.)", "-"),
     )
@@ -86,8 +87,11 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
         figure,
         draw_wall(ax, shape),
         history,
-        _moment(shape, sample),
-        joint_handles(shape, slip, threshold),
+        [_moment(shape, sample)],
+        [
+            *joint_handles(shape, slip, threshold),
+            magnified(shape.snapshot_time_s, shape.magnification),
+        ],
     )
 
 
@@ -102,7 +106,8 @@ def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, ma
     shape = wall_shape(history, sample, slip, threshold, magnify)
     shape = shape.on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
     draw_wall(ax, shape)
-    ax.set_title("\n".join(_moment(shape, t)), fontsize="small")
+    factor = magnified(shape.snapshot_time_s, shape.magnification).get_label()
+    ax.set_title(f"{_moment(shape, t)}\n{factor}", fontsize="small")
     return shape
 
 
@@ -334,13 +339,15 @@ def show_all(ax, *corners, ground=True):
 
 
 def _moment(shape, sample):
-    """Title lines: the sample, and the magnification."""
+    """Title line: the sample."""
     which = {"max": "maximum DI", "end": "end, DI"}.get(sample, "DI")
-    yield f"{which} {shape.index:.3f} at {shape.time_s:.3f} s"
-    if shape.snapshot_time_s is None:
-        yield "drawn undeformed: no snapshot near"
-    else:
-        yield f"shape at {shape.snapshot_time_s:.3f} s, displacements × {shape.magnification:g}"
+    return f"{which} {shape.index:.3f} at {shape.time_s:.3f} s"
+
+
+def magnified(snapshot, factor):
+    """Legend entry: the factor on displacements of a snapshot, None where there is none."""
+    words = "undeformed, no snapshot near" if snapshot is None else f"displacements × {factor:g}"
+    return style.area_handle("none", words, "none")
 
 
 def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
@@ -503,7 +510,7 @@ def hysteresis_picture(history):
     figure, ax = style.new_figure(2.4)
     drift, unit = style.scaled_drift(history)
     shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
-    stage = history.series["stage"].to_numpy()
+    stage, pushed = history.series["stage"].to_numpy(), is_pushed(history)
     ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
     ax.axvline(0, color=style.LIGHT, lw=0.6, zorder=0)
     for name, colour, width, layer in (
@@ -521,7 +528,7 @@ def hysteresis_picture(history):
                 color=colour,
                 lw=width,
                 zorder=layer,
-                label=name,
+                label="push" if name == "motion" and pushed else name,
             )
     if history.collapsed_at_s is not None:
         at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
@@ -539,9 +546,8 @@ def hysteresis_picture(history):
     ax.locator_params(axis="x", nbins=7)
     style.show_single_points(ax)
     style.add_title(figure, history)
-    style.legend_below(
-        figure, [line for line in ax.get_lines() if not line.get_label().startswith("_")], 3
-    )
+    lines = [line for line in ax.get_lines() if not line.get_label().startswith("_")]
+    style.legend_below(figure, lines if len(lines) > 1 else [], 3)
     return figure
 
 
@@ -619,15 +625,22 @@ def save_all(history, folder):
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns
     their paths.
 
-    Base shear against drift is left out where there is no motion, as of ground that settles alone.
+    Base shear against drift is named push where the top is pushed, and left out where there is no
+    motion, as of ground that settles alone.
     """
-    still = () if is_moving(history.series).any() else ("hysteresis",)
-    chosen = {name: draw for name, draw in PICTURES.items() if name not in still} | pictures_beside(
-        history
-    )
+    chosen = PICTURES | pictures_beside(history)
+    if "hysteresis" in chosen and not is_moving(history.series).any():
+        del chosen["hysteresis"]
+    elif is_pushed(history):
+        chosen["push"] = chosen.pop("hysteresis", hysteresis_picture)
     return style.save_figures(
         ((name, draw(history)) for name, draw in chosen.items()), folder, origin(history)
     )
+
+
+def is_pushed(history):
+    """Whether the top of a History is pushed once, and not moved to and fro."""
+    return isinstance(history.loading, TopDisplacement) and not history.loading.cycles
 
 
 def has_sequence(history):

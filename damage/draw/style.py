@@ -4,6 +4,7 @@ Only figure objects are used, so that pictures come out the same without a scree
 program.
 """
 
+from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
 from textwrap import fill
@@ -52,6 +53,8 @@ STYLE = {
     "pdf.fonttype": 42,  # complete fonts, as journals require
     "svg.hashsalt": "masonry-damage",  # same picture, same bytes
 }
+_LAYERS = ["default", STYLE]
+"""Styles in which pictures are drawn, each over those before it."""
 # Okabe and Ito's palette, which is safe for colour-blind readers.  Orange, blue and black, for what
 # opened, slipped and both, also differ in grey.
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -97,12 +100,34 @@ def area_handle(face, label, edge=DARK):
     return Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
 
 
+@contextmanager
+def printed(name):
+    """Context: pictures are drawn without titles, in a matplotlib style.
+
+    name: "paper", the one that ships as paper.mplstyle, or the path of such a file.  Raises
+    InputError where it cannot be read.
+    """
+    file = Path(__file__).with_name("paper.mplstyle") if name == "paper" else name
+    try:
+        with style.context(file):
+            _LAYERS.append(file)
+    except OSError as error:
+        raise InputError(
+            f"--style {name}: expected paper, or a file of matplotlib's style parameters;"
+            " correct it"
+        ) from error
+    try:
+        yield
+    finally:
+        _LAYERS.pop()
+
+
 def styled(draw):
-    """Decorator: a function draws in STYLE; the style of the program is restored afterwards."""
+    """Decorator: a function draws in _LAYERS; the style of the program is restored afterwards."""
 
     @wraps(draw)
     def inside(*arguments, **named):
-        with style.context(["default", STYLE]):
+        with style.context(_LAYERS):
             return draw(*arguments, **named)
 
     return inside
@@ -116,12 +141,18 @@ def new_figure(height, rows=1, **options):
 
 
 def legend_below(figure, handles, columns):
-    """Add a legend below all axes; the figure grows by its height."""
+    """Add a legend below all axes, in fewer columns where they would be wider than the figure,
+    which grows by its height."""
     if not handles:
         return
-    legend = figure.legend(handles=handles, loc="lower center", ncols=columns)
     width, plot = figure.get_size_inches()
-    height = legend.get_window_extent().height / figure.dpi
+    for ncols in range(columns, 0, -1):
+        legend = figure.legend(handles=handles, loc="lower center", ncols=ncols)
+        extent = legend.get_window_extent()
+        if extent.width <= width * figure.dpi or ncols == 1:
+            break
+        legend.remove()
+    height = extent.height / figure.dpi
     figure.set_size_inches(width, plot + height)
     share = height / (plot + height)
     figure.get_layout_engine().set(rect=(0, share, 1, 1 - share))
@@ -134,21 +165,25 @@ def settle_layout(figure):
 
 
 def add_title(figure, history, *more):
-    """Add a title: wall and motion, solver and file, premature end of the run, and further lines.
-    The figure grows by its height."""
-    lines = [run_title(history), f"{history.solver} solver, {history.path.name}"]
+    """Add a title: wall and motion, premature end of the run, and further lines; the file and the
+    solver are in the metadata.  The figure grows by its height."""
+    lines = [run_title(history)]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
         lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
-    wide = figure.get_size_inches()[0] / COLUMN_WIDTH
-    put_title(figure, [*lines, *more], round(TITLE_CHARACTERS * wide), 0.02)
+    put_title(figure, *lines, *more)
 
 
-def put_title(figure, lines, characters, x):
-    """Put lines of so many characters at the left above a figure, which grows by their height."""
-    title = figure.suptitle("\n".join(fill(line, characters) for line in lines), x=x, ha="left")
+def put_title(figure, *lines):
+    """Put lines at the left above a figure, which grows by their height; none where a style of
+    print was chosen, as the caption says it there."""
+    if len(_LAYERS) > 2:
+        return
     width, plot = figure.get_size_inches()
+    columns = width / COLUMN_WIDTH
+    text = "\n".join(fill(line, round(TITLE_CHARACTERS * columns)) for line in lines if line)
+    title = figure.suptitle(text, x=0.02 / columns, ha="left")
     figure.set_size_inches(width, plot + title.get_window_extent().height / figure.dpi)
 
 

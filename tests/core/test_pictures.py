@@ -18,6 +18,7 @@ from small_history import make_history, small_layout
 import damage
 from damage import ModelOptions, Wall
 from damage.draw import run as pictures
+from damage.draw import style
 from damage.draw.run import (
     drift_picture,
     energy_picture,
@@ -32,6 +33,7 @@ from damage.draw.run import (
 from damage.draw.wall import line_width, wall_shape
 from damage.draw.words import run_title
 from damage.history.moments import JOINT_STATES
+from damage.motion.loading import TopDisplacement
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.layout import lay_out
@@ -145,7 +147,12 @@ class TestShape:
         upper_right = complex(x, z) + 50 * complex(2e-4, -1e-4) + arm * np.exp(1j * 50 * 1e-3)
         drawn = collection(figure, "bricks").get_paths()[2].vertices[2]
         assert_allclose(drawn, [upper_right.real, upper_right.imag], rtol=SINGLE)
-        assert "displacements × 50" in title(figure)
+        assert figure.legends[0].get_texts()[-1].get_text() == "displacements × 50"
+
+    def test_a_residual_is_magnified_no_more_than_a_hundred_times(self, history):
+        # 0.01 mm of 0.6 m: three per cent of the height would be 1800 times
+        run = history(snapshots={0.1: REST + [1e-5, 0, 0]})
+        assert wall_shape(run, 10).magnification == 100.0
 
     def test_a_rigid_motion_carries_joints_along_and_base_joints_halfway(self, history):
         run = history()
@@ -271,6 +278,19 @@ class TestOtherPictures:
         motion = line(hysteresis_picture(twice).axes[0], "motion")
         assert np.isnan(motion.get_xdata()[4:7]).all() and np.isnan(motion.get_xdata()).sum() == 3
 
+    def test_a_push_is_named_so_and_a_line_alone_has_no_legend(
+        self, cracked, tmp_path, monkeypatch
+    ):
+        push = TopDisplacement((0.1,), cycles=0)
+        pushed = replace(cracked, parameters=cracked.parameters | {"loading": push.as_dict()})
+        assert line(hysteresis_picture(pushed).axes[0], "push")
+        stage = np.where(cracked.series["stage"] == "rest", "settling", cracked.series["stage"])
+        alone = replace(pushed, series=cracked.series.assign(stage=stage))
+        assert not hysteresis_picture(alone).legends
+        monkeypatch.setattr(pictures, "PICTURES", {"hysteresis": hysteresis_picture})
+        assert {path.stem for path in save_all(pushed, tmp_path)} == {"push"}
+        assert {path.stem for path in save_all(cracked, tmp_path)} == {"hysteresis"}
+
     def test_energies_are_supplied_stored_dissipated_and_damped(self, history):
         parts = {
             f"{name}_energy_j": factor * np.arange(21.0)
@@ -360,3 +380,17 @@ class TestFiles:
             assert dict(matplotlib.rcParams) == before
         words = "import sys, damage.draw.run; sys.exit('matplotlib.pyplot' in sys.modules)"
         assert subprocess.run([sys.executable, "-c", words], timeout=120).returncode == 0
+
+    def test_titles_name_no_file_and_print_has_none(self, cracked):
+        screen = wall_picture(cracked)
+        assert "small.h5" not in title(screen) and "reference" not in title(screen)
+        with style.printed("paper"):
+            paper = wall_picture(cracked)
+            (legend,) = paper.legends
+            outside = legend.get_window_extent().width - paper.bbox.width
+        assert paper._suptitle is None and outside <= 0
+        assert {text.get_fontsize() for text in legend.get_texts()} == {8.0}
+        assert paper.axes[0].xaxis.label.get_fontsize() == 8.0
+        assert paper.get_figwidth() == screen.get_figwidth() == style.COLUMN_WIDTH
+        assert title(wall_picture(cracked)) == title(screen)
+        refused_with("expected paper", style.printed("none.mplstyle").__enter__)

@@ -5,6 +5,7 @@ from damage.commands.table import (
     DRIFT_LIMIT,
     JSON,
     PSI_FROM,
+    STYLE,
     command,
     out,
     output,
@@ -121,6 +122,7 @@ def _calibrate(asked):
         )
     ),
     out("folder for a picture of each load level, or moment", required=False),
+    STYLE,
     JSON,
     examples=(
         "run.h5 --at max,end --export cracks.csv --out pictures",
@@ -154,6 +156,7 @@ def _cracks(asked):
     ),
     JSON,
     out("folder for a picture of drift and joints", required=False),
+    STYLE,
     examples=("reference.h5 yade.h5", "yade.h5 member_1.h5 member_2.h5 member_3.h5 --out pictures"),
 )
 def _compare(asked):

@@ -54,11 +54,12 @@ def compare_picture(first, second):
             f" {joints['kappa']:.2f}"
         )
     )
-    figure.suptitle(f"{fill(run_title(first), style.TITLE_CHARACTERS)}\n{kappa}", x=0.02, ha="left")
+    style.put_title(figure, run_title(first), kappa)
     if elastic.any():
         words = f"elastic, cannot fail: {elastic.sum()} points"
         handles.append(style.line_handle(JOINT_COLOURS["elastic"], words, 0.8, DASHES["elastic"]))
     style.legend_below(figure, lines + handles, columns=2)
+    style.settle_layout(figure)
     return figure
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from damage.draw import style
 from damage.draw.run import show_all
 from damage.draw.wall import COLUMN_PT, line_width, widest_line
+from damage.draw.words import wall_words
 from damage.index import THRESHOLD
 from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
@@ -51,11 +52,10 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
         style.add_lines(ax, ends_of(rows), colour, widths, capstyle="butt", zorder=3)
     show_all(ax, np.array([[0.0, 0.0], [wall.length, wall.built_height]]))
     drift = "unknown" if np.isnan(pattern.drift_ratio) else f"{100 * pattern.drift_ratio:.3g} %"
-    figure.suptitle(
-        f"{wall.name}, load level {pattern.level:g}, drift ratio {drift}\n{mapped.drawn_m:.2f} m"
-        f" drawn, {mapped.unmapped_m:.2f} m of them on no joint",
-        x=0.02,
-        ha="left",
+    style.put_title(
+        figure,
+        f"{wall_words(wall.name)}, load level {pattern.level:g}, drift ratio {drift}",
+        f"{mapped.drawn_m:.2f} m drawn, {mapped.unmapped_m:.2f} m of them on no joint",
     )
     style.legend_below(figure, _handles(states, threshold, widest_pt), columns=3)
     return figure

@@ -1,8 +1,6 @@
 """Pictures at an address: the PGV of every event over time and on a map; lives of a wall, what each
 event did."""
 
-from textwrap import fill
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -45,9 +43,7 @@ def exposure_picture(exposure):
             for k, one in enumerate(named, 1)
         ),
     )
-    figure.suptitle(
-        "\n".join(fill(line, style.TITLE_CHARACTERS) for line in title), x=0.02, ha="left"
-    )
+    style.put_title(figure, *title)
     return figure
 
 
@@ -101,7 +97,7 @@ def _on_a_map(ax, place, table, shown, named):
             ha="center",
             va="center",
             color="white",
-            fontsize=5,
+            fontsize="x-small",
             zorder=3,
             bbox={"boxstyle": "circle,pad=0.15", "facecolor": style.BLACK, "linewidth": 0},
         )
@@ -147,7 +143,7 @@ def _towns(ax):
                 (2, -6.5 if below else 1.5),
                 textcoords="offset points",
                 color=style.DARK,
-                fontsize=5.5,
+                fontsize="small",
                 zorder=3,
                 path_effects=_HALO,
                 clip_on=True,
@@ -228,7 +224,7 @@ def life_picture(table, yearly, alone, title):
         axes[2].set(xlabel=r"$\Psi$ at the end [-]", ylabel="share of walls [-]", ylim=(0, 1))
         axes[2].legend(loc="lower right")
         letter(axes[2], 2, r"share of walls that end with this $\Psi$ or less")
-    figure.suptitle(title, x=0.02, ha="left")
+    style.put_title(figure, title)
     return figure
 
 
@@ -251,5 +247,5 @@ def contributions_picture(table, title):
         color=style.BLUE,
     )
     ax.set_xlabel(r"share of the increase of $\Psi$ at rest [-]")
-    figure.suptitle(title, x=0.02, ha="left")
+    style.put_title(figure, title)
     return figure

@@ -2,7 +2,7 @@
 
 from damage.applications.studies.read import made_by_words
 from damage.arguments import arg, file_arg, group, number_from
-from damage.commands.table import command, out, program, save, tables
+from damage.commands.table import STYLE, command, out, program, save, tables
 from damage.errors import warn
 from damage.files import json_text
 from damage.measure.tables import write_table
@@ -98,6 +98,7 @@ def _study_schema(asked):
         ),
     ),
     out("folder for tables and pictures"),
+    STYLE,
     examples=(
         "results/fragility --out curves",
         'results/fragility --intensity record_pga_g --state "moderate: max_psi > 2" --out curves',

@@ -15,8 +15,8 @@ from damage.applications.studies.states import (
     leading,
     unit_of,
 )
-from damage.draw.panels import add_heading, finish, grid, letter
-from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, styled
+from damage.draw.panels import finish, grid, letter
+from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, put_title, styled
 from damage.draw.words import record_label
 
 _MOST_PANELS = 3
@@ -67,7 +67,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
     ]
     axes[0, 0].set_ylabel("probability of exceeding")
     n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
-    add_heading(
+    put_title(
         figure,
         f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
         f"variation {runs['strength_cov'].iloc[0]:g}",
