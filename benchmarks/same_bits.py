@@ -81,8 +81,10 @@ ARRAYS = (
 ORIGIN = "commit", "model_digest", "measures_digest"
 BOTH = "harmonic", "pushover", "sequence", "restrained", "crushed", "spread"
 IN_YADE = {name: bits.CASES[name] for name in BOTH} | {
-    "house": bits.Case("houses/box.toml", "--harmonic 0.1 0.4 --cycles 1 --rest 0.1"),
-    "softened": bits.Case("walls/variants/small_softening.py", "--harmonic 0.1 0.4 --cycles 1"),
+    "house": bits.Case("houses/box.toml", "--harmonic 0.05 2 --cycles 1 --rest 0.02"),
+    "softened": bits.Case(
+        "walls/variants/small_softening.py", "--harmonic 0.1 0.4 --cycles 1 --rest 0.1"
+    ),
 }
 """{name: Case}; houses run in YADE alone."""
 
