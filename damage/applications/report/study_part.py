@@ -14,6 +14,7 @@ import pandas as pd
 from matplotlib.image import imread
 from matplotlib.ticker import MaxNLocator
 
+from damage.applications.report.charts import RUN_STYLES
 from damage.applications.report.packing import as_png
 from damage.applications.report.tables import COLUMNS as MEANING
 from damage.applications.report.tables import cell, digits_of
@@ -25,7 +26,6 @@ from damage.applications.studies.spread import repeated
 from damage.applications.studies.states import (
     INTENSITIES,
     STUDY_FILE,
-    in_picture,
     label,
     there,
 )
@@ -55,7 +55,7 @@ COLUMNS = (
     "energy_error_fraction",
 )
 """Columns of the table of points, shown where they have a value."""
-OFTEN_SHARED = ("solver", "members", "status", "collapsed")
+OFTEN_SHARED = ("solver", "members", "status", "collapsed", "pga_g", "pgv_m_s")
 """Columns of which a value that all points share is shown once, above the table."""
 OF_POINTS = {
     "members": "how many runs the point has in its solver",
@@ -133,7 +133,7 @@ def study_part(folder):
             "name": name,
             "unit": MEANING.get(name, ("", ""))[0],
             "meaning": OF_POINTS.get(name) or MEANING[name][1],
-            "words": re.sub(r"[$\\]", "", "{} [{}]".format(*in_picture(name))).replace(" [-]", ""),
+            "words": column_words(name),
         }
         for name in content
     ]
@@ -148,7 +148,7 @@ def study_part(folder):
         "name": str(about.get("name") or folder.resolve().name),
         "title": str(about.get("title") or ""),
         "folder": shown_path(folder),
-        "shared": [(name, _cell(points.iloc[0][name], name)[0]) for name in shared],
+        "shared": [(column_words(name), _cell(points.iloc[0][name], name)[0]) for name in shared],
         "first": said_first(folder, summary) + unread,
         "heads": heads,
         "rows": [
@@ -162,8 +162,11 @@ def study_part(folder):
             for number, (_, row) in enumerate(points.iterrows())
         ],
         "filters": {name: values for name, values in kinds.items() if len(values) > 1},
-        "kinds": list(kinds),
+        "kinds": {name: column_words(name) for name in kinds},
         "walls": kinds["wall"],
+        "axes": axes(kinds),
+        "legend": kinds,
+        "shown": next(iter(walls), None),
         "charts": charts(points, list(zip(*of.values())), about.get("intensity")),
         "n_runs": len(summary),
         "figures": figures(folder),
@@ -186,10 +189,37 @@ def labels(points):
             of[name] = [_cell(value, name)[0] for value in points[name]]
     more = [name for name in of if name not in ("wall", "solver", "motion")]
     words = [
-        ", ".join([f"{of['motion'][k]}{factors[k]}", *(f"{name} {of[name][k]}" for name in more)])
+        ", ".join(
+            [
+                f"{of['motion'][k]}{factors[k]}",
+                *(f"{column_words(name)} {of[name][k]}" for name in more),
+            ]
+        )
         for k in range(len(points))
     ]
     return words, of
+
+
+def column_words(name):
+    """A column's name in words, with its unit.
+
+    >>> column_words("max_crack_width_mm"), column_words("pgv_m_s"), column_words("wall")
+    ('maximum crack width [mm]', 'PGV [m/s]', 'wall')
+    """
+    return re.sub(r"[$_{}\\]|mathrm", "", label(name)).replace(" [-]", "")
+
+
+def axes(kinds):
+    """The two names of `labels` that colours and marks show: what varies, the study's own keys
+    before the motion, and what has more values than there are colours last; one name twice where no
+    other varies.
+
+    kinds: {name: its different values}.
+    """
+    own = [name for name in kinds if name not in ("motion", "solver")]
+    varied = [name for name in (*own, "motion") if len(kinds[name]) > 1]
+    varied.sort(key=lambda name: len(kinds[name]) > len(RUN_STYLES))
+    return [*varied, *varied, "wall", "wall"][:2] if len(varied) < 2 else varied[:2]
 
 
 def _motion(row):
@@ -251,7 +281,7 @@ def _chart(points, x, alike, intensity, measure):
         if not np.isnan(places[number]).any():
             lines.setdefault(alike[number], []).append(number)
     return {
-        "x": re.sub(r"[$_{}\\]|mathrm", "", label(intensity)),
+        "x": column_words(intensity),
         "y": {"max_DI": "maximum DI", "residual_DI": "residual DI"}[measure],
         "x_ticks": x_ticks,
         "y_ticks": y_ticks,

@@ -211,7 +211,7 @@ def in_picture(column):
     (('maximum drift ratio', '-'), ('initial stiffness', 'N/m'))
     """
     unit = unit_of(column)[1]
-    words = column.removesuffix("_" + unit.lower().replace("/", "_per_")).replace("_", " ")
+    words = re.sub(f"_{unit.lower().replace('/', '_(per_)?')}$", "", column).replace("_", " ")
     words = re.sub(r"^max ", "maximum ", words).replace("psi", r"$\Psi$")
     return words, "-" if unit == "1" else unit
 

@@ -26,7 +26,15 @@ pytest.importorskip("jinja2")
 from damage.applications.report import study_part
 from damage.applications.report.plain import plain
 from damage.applications.report.report import Words, page
-from damage.applications.report.study_part import BELOW, LEFT, TALL, charts, labels
+from damage.applications.report.study_part import (
+    BELOW,
+    LEFT,
+    TALL,
+    axes,
+    charts,
+    column_words,
+    labels,
+)
 from damage.applications.report.tables import OTHER_CRITERIA
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
@@ -263,9 +271,21 @@ class TestStudy:
         assert set(points["max_DI"]) <= values and "a study" in parsed.text
         shown = {one.get("id") for one in parsed.all("article")}
         links = [one["href"][1:] for one in parsed.all("a") if "#point" in one["href"]]
-        # a mark in both charts and a row; each opens its wall
-        assert sorted(links) == sorted(3 * ["point-1-0", "point-1-1"]) and set(links) <= shown
+        # a mark in both charts and a row, and the wall of the largest DI; each opens its wall
+        assert sorted(links) == 4 * ["point-1-0"] + 3 * ["point-1-1"] and set(links) <= shown
+        assert parsed.text.count("one run a point") == 2 and "the median" not in parsed.text
+        assert "maximum DI" in parsed.text and column_words("mode_i_fracture_energy_j_m2") == (
+            "mode i fracture energy [J/m2]"
+        )
         assert len(text.encode()) < 1e6
+
+    def test_colours_and_marks_show_what_varies(self):
+        one, own = ["Small wall"], {"lintel": ["none", "elastic"], "cohesion_pa": list("123456789")}
+        alike = {"wall": one, "solver": ["reference", "yade"], "motion": ["harmonic, 0.2 s"]}
+        assert axes(alike) == ["wall", "wall"]
+        assert axes(alike | own) == ["lintel", "cohesion_pa"]
+        assert axes(alike | own | {"motion": ["a", "b"]}) == ["lintel", "motion"]
+        assert axes(alike | {"motion": ["a", "b"]}) == ["motion", "motion"]
 
     def test_places_are_to_scale(self):
         table = pd.DataFrame(
@@ -294,7 +314,7 @@ class TestStudy:
         (study / "runs" / "a.h5").write_bytes((study / "runs" / "a.h5").read_bytes()[:-99])
         parsed = Page(page([], [study]))
         assert "cannot be read" in parsed.text and "a.h5" in parsed.text
-        assert len([one for one in parsed.all("img") if one["src"].startswith("data:")]) == 1
+        assert len({one["src"] for one in parsed.all("img")}) == 1
 
     def test_fragility_has_the_intensity_and_states_of_the_study(self, study, monkeypatch):
         asked = []
