@@ -163,7 +163,7 @@ def line_of(result, value, residual=None, known=MappingProxyType({"whole": ""}))
     else is known of the run."""
     rest = "" if residual is None else result.shown(residual)
     of = " ".join(filter(None, (result.unit, result.of.format(**known))))
-    return f"{result.label:22s}{result.shown(value):>9s}{rest:>9s}  {of}".rstrip()
+    return f"{result.label:22s}{result.shown(value):>9s} {rest:>9s}  {of}".rstrip()
 
 
 def lines_of(summary):
@@ -173,7 +173,7 @@ def lines_of(summary):
         "failed": summary["tension_breaks"] + summary["shear_breaks"],
         "ended_joints": summary["ended_joints"] or None,
     }
-    lines = [SCALES, f"{'':22s}{'maximum':>9s}{'residual':>9s}"]
+    lines = [SCALES, f"{'':22s}{'maximum':>9s} {'residual':>9s}"]
     for column, result in RESULTS.items():
         if (value := value_in(known, column)) is not None:
             at_end = column.replace("max_", "residual_", 1)
