@@ -370,8 +370,8 @@ def _words(action, name, value):
     words = [_word(action, one) for one in _listed(value)]
     if isinstance(action.nargs, int) and len(words) != action.nargs:
         raise InputError(
-            f"{name} = {value!r:.80}: expected {action.nargs} arguments,"
-            f" {' '.join(action.metavar)}; correct it"
+            f"argument {option}: expected {action.nargs} arguments,"
+            f" {' '.join(action.metavar)}; given {value!r:.80}; correct it"
         )
     return [option, *words] if action.nargs else [option, ",".join(words)]
 

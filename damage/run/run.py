@@ -478,7 +478,9 @@ class Run:
         elif drive.quasi_static and self.settings.relaxation == "local":
             is_adaptive, local = False, drive.local_damping
         elif drive.quasi_static:
-            return {"alpha": 4 * math.pi / self._period_s, "mean_1_s": 1 / self._period_s}
+            # no more than what the step resolves: a few stiff bricks would blow up
+            alpha_1_s = min(4 * math.pi / self._period_s, 0.5 / self.solver.time_step)
+            return {"alpha": alpha_1_s, "mean_1_s": 1 / self._period_s}
         elif stage == "settling":
             is_adaptive = self.settings.settles == "adaptive"
         else:
@@ -527,14 +529,13 @@ class Run:
         return self.collapsed_at_s is None
 
     def _behind(self, time_s, motion):
-        """How far the drift of a wall whose top is held is behind what is asked for at this time,
-        as displacement [m]; motion: `_motion` of then.  The top is above the drift's course, and
-        turns."""
-        drive, height = self.settings.loading.drive, self.layout.drift_height
+        """How far the course of the drift is behind what is asked for at this time [m], of a wall
+        whose top is held; motion: `_motion` of then.  The top is above that course, and turns."""
+        drive = self.settings.loading.drive
         if self.stage == "settlement" or not drive.top or self._spreads:
             return 0.0
-        _, drift = self._top_and_drift(motion - self._at_rest)
-        return float(drive.top(time_s, height)[0]) - height * drift[0]
+        top, _ = self._top_and_drift(motion - self._at_rest)
+        return float(drive.top(time_s, self.layout.drift_height)[0] - top[0])
 
     def _have_fallen(self, motion, now):
         """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
@@ -553,12 +554,14 @@ class Run:
 
     def _prescribe(self, interval, behind_m=0.0):
         """Move the top and the supports by their velocities in this interval; they rest after the
-        last.  The drift catches up with what it is behind in a quarter of the first period."""
+        last.  The drift catches up with what it is behind in a quarter of the first period, or in
+        two intervals, as it would overshoot in less."""
+        catch_up_s = max(self._period_s / 4, 2 * self.sample_steps * self.solver.time_step)
         for velocities, move, first in self._prescribed:
             if self.stage == "settlement" and first > 0:  # the top is not held yet
                 continue
             if first <= interval < first + len(velocities):
-                more = 4 * behind_m / self._period_s if move == self.solver.push else 0.0
+                more = behind_m / catch_up_s if move == self.solver.push else 0.0
                 move(velocities[interval - first] + more)
             elif interval == first + len(velocities):
                 move(0 * velocities[0])

@@ -471,7 +471,7 @@ class TestUnitOfARun:
         words = f"reference {wall} --record {path} --rest 0 --no-pictures --out {out}".split()
         assert "names no unit" in error_of(*words)
         printed = output_of(*words, "--unit", "g")
-        assert "unit of pulse: g (--unit)\n" in printed and "record in g (--unit)" in printed
+        assert "unit of pulse: g (--unit)\n" in printed
         assert json.loads(output_of("index", out, "--json"))["record_unit"] == "g (--unit)"
         info = json.loads(output_of("info", out, "--json"))
         origin = info["parameters"]["loading"]["horizontal"]

@@ -139,8 +139,8 @@ def test_a_wrong_option_is_refused_alike_however_it_is_given(options, words, sai
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"cycles": 2.5}, "argument --cycles: invalid int value: 2.5"),
-        ({"rest": True}, "invalid float value: True"),
+        ({"cycles": 2.5}, "argument --cycles: invalid int value: '2.5'"),
+        ({"rest": True}, "invalid float value: 'True'"),
         ({"quiet": 1}, "quiet = 1: expected True or False"),
         ({"harmonc": 1}, "did you mean harmonic"),
     ],

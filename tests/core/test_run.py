@@ -244,7 +244,7 @@ def test_gravity_comes_in_whole_steps_and_stays(run_through):
 def test_the_share_of_a_run_grows_with_its_steps_while_the_ground_settles_too(run_through):
     shares = []
     run_through(
-        [*SHAKEN, "--settle", "knick", "--distortion", "0.001"],
+        f"{SHAKEN} --settle knick --distortion 0.001",
         keep_going=lambda run, time_s: shares.append((run.stage, run.share)) or True,
     )
     settling = [share for stage, share in shares if stage == "settlement"]

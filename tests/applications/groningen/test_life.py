@@ -37,7 +37,7 @@ from damage.applications.groningen.life.results import (
 from damage.applications.studies import folder as batch_folder
 from damage.applications.studies.definition import load_study
 from damage.measure.cycles import shocks_table
-from damage.motion import formats
+from damage.motion import columns
 from damage.motion.sequence import read_sequence
 from damage.rounded import to_bits
 from damage.run.banner import event_lines
@@ -119,10 +119,11 @@ class TestDraws:
 
     def test_a_record_is_parsed_once_whatever_is_asked_of_it(self, exposure, monkeypatch):
         """As by the addresses of a study, which differ in their windows."""
-        parsed, read = [], formats.read_columns
+        parsed, read = [], columns.read_columns
         monkeypatch.setattr(
-            formats, "read_columns", lambda path, *more: parsed.append(path) or read(path, *more)
+            columns, "read_columns", lambda path, *more: parsed.append(path) or read(path, *more)
         )
+        columns.read.cache_clear()
         for strong in ((0.07, 0.1), (0.07, 0.2)):
             assert len(draws(exposure, within_km=3.5, strong=strong).components) > 2
         assert len(parsed) == len(set(parsed))
