@@ -2,6 +2,7 @@
 history."""
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -81,7 +82,6 @@ class Run:
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
         # motion at the end of settling, or where a push begins
         self._lowest, self._at_rest = monitor.lowest_places(layout), 0.0
-        self._period_s = float(natural_modes(layout).period_s[0])
         self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # (time [s], unbalanced force) in the static stage
         solver.with_stresses, self._looks = settings.stresses, []
@@ -92,6 +92,11 @@ class Run:
             state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
         )
         self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
+
+    @cached_property
+    def _period_s(self):
+        """First natural period of the intact wall [s], by which a push is damped and followed."""
+        return float(natural_modes(self.layout).period_s[0])
 
     @property
     def share(self):
@@ -537,6 +542,12 @@ class Run:
         top, _ = self._top_and_drift(motion - self._at_rest)
         return float(drive.top(time_s, self.layout.drift_height)[0] - top[0])
 
+    def _catching_up(self, behind_m):
+        """Velocity [m/s] that a push adds so that the course of the drift catches up: in a quarter
+        of the first period, in two intervals at least, as it would overshoot in less."""
+        catch_up_s = max(self._period_s / 4, 2 * self.sample_steps * self.solver.time_step)
+        return behind_m / catch_up_s
+
     def _have_fallen(self, motion, now):
         """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
         first n Instants."""
@@ -554,14 +565,12 @@ class Run:
 
     def _prescribe(self, interval, behind_m=0.0):
         """Move the top and the supports by their velocities in this interval; they rest after the
-        last.  The drift catches up with what it is behind in a quarter of the first period, or in
-        two intervals, as it would overshoot in less."""
-        catch_up_s = max(self._period_s / 4, 2 * self.sample_steps * self.solver.time_step)
+        last."""
         for velocities, move, first in self._prescribed:
             if self.stage == "settlement" and first > 0:  # the top is not held yet
                 continue
             if first <= interval < first + len(velocities):
-                more = behind_m / catch_up_s if move == self.solver.push else 0.0
+                more = self._catching_up(behind_m) if move == self.solver.push else 0.0
                 move(velocities[interval - first] + more)
             elif interval == first + len(velocities):
                 move(0 * velocities[0])
