@@ -1,7 +1,7 @@
-"""The results of a run that the screen and a report show, of its members, and of the walls and
+"""The results of a run for people: on the screen, in a report, of its members, and of the walls and
 corners of a house.
 
-Each has one label, one unit and one denominator everywhere.
+Each result has one label, one unit and one denominator everywhere.
 """
 
 from types import MappingProxyType
