@@ -32,7 +32,9 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
-BEFORE_SOFTENING, STEPS, SAMPLE = "d51e596", 15 * 67, 67
+BEFORE_SOFTENING = "d51e596"
+STEPS = 15 * 67
+SAMPLE = 67
 SIZES = ((8, 7), (18, 37), (60, 60), (115, 115))  # bricks along and up
 
 
@@ -99,7 +101,8 @@ def make(package, state, beta=0.0, size=None):
         wall.start(of("motion.loading").Harmonic(0.2, 0.1).base_acceleration(time_s))
         wall.run(len(time_s))
     if beta:
-        wall.time_step, wall.beta = 0.5 * step, beta
+        wall.time_step = 0.5 * step
+        wall.beta = beta
     return wall
 
 
@@ -134,11 +137,9 @@ def compare(state, rounds):
     """Print what a step costs in every way, and its ratio to the older kernel's."""
     from damage.reference.lanes import run_together
 
-    old, new, damped = (
-        make("damage_before", state),
-        make("damage", state),
-        make("damage", state, 1e-6),
-    )
+    old = make("damage_before", state)
+    new = make("damage", state)
+    damped = make("damage", state, 1e-6)
     pieces = {
         "old, alone": (old.run, 1),
         "alone": (new.run, 1),
@@ -196,10 +197,8 @@ def against_size():
 
     for size in SIZES:
         walls = [make("damage", "intact", size=size) for _ in range(8)]
-        contacts, steps = (
-            len(walls[0].system.contacts),
-            max(20, 2_000_000 // len(walls[0].system.contacts)),
-        )
+        contacts = len(walls[0].system.contacts)
+        steps = max(20, 2_000_000 // len(walls[0].system.contacts))
         cost = {}
         for name, run, number in (
             ("alone", walls[0].run, 1),

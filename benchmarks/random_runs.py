@@ -49,7 +49,8 @@ def draw(seed):
     random = np.random.default_rng(seed)
     for _ in range(MOST_TRIES):
         try:
-            wall, model = _wall(random, seed), _model(random)
+            wall = _wall(random, seed)
+            model = _model(random)
             lay_out(
                 wall,
                 ModelOptions(
@@ -78,7 +79,8 @@ def _wall(random, seed):
         ),
         **_sometimes(random, 0.1, tensile_strength=3e5),
     )
-    courses, length = random.integers(1, 9), random.uniform(0.6, 6) * brick.length
+    courses = random.integers(1, 9)
+    length = random.uniform(0.6, 6) * brick.length
     openings = [
         damage.Opening(
             **_rounded(
@@ -123,7 +125,8 @@ def _wall(random, seed):
 
 
 def _joint(random):
-    stiffness, dry = _log(random, 1e9, 2e12), random.random() < 0.3
+    stiffness = _log(random, 1e9, 2e12)
+    dry = random.random() < 0.3
     strengths = (
         {"tensile_strength": 0.0, "cohesion": 0.0}
         if dry
@@ -293,7 +296,8 @@ def main():
     table = runs(range(asked.first, asked.first + asked.runs))
     if asked.csv:
         table.to_csv(asked.csv, index=False)
-    done, error = table[table["status"] == 0], table["energy_error"].dropna()
+    done = table[table["status"] == 0]
+    error = table["energy_error"].dropna()
     print(
         f"{len(table)} runs: {len(done)} complete, {len(table) - len(done)} refused or failed;"
         f" energy balance error: median {100 * error.median():.2g} %, above {100 * ENERGY_ERROR:g}"

@@ -18,9 +18,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from shutil import which
 
-STARTS, PATIENCE_S = 5, 60
+STARTS = 5
+PATIENCE_S = 60
 SIZE_PX = 1300, 1000
-BROWSER, DRIVER = "chromium", "chromedriver"
+BROWSER = "chromium"
+DRIVER = "chromedriver"
 DRAWN = {"wall": "wall-drawn", "all": "all-drawn"}
 """Marks that the page sets once the walls, and once all is drawn."""
 

@@ -37,7 +37,8 @@ def main():
         "--share", type=float, default=0.3, help="of the points before the kill (default 0.3)"
     )
     asked = parser.parse_args()
-    killed, whole = asked.out.absolute() / "killed", asked.out.absolute() / "whole"
+    killed = asked.out.absolute() / "killed"
+    whole = asked.out.absolute() / "whole"
     path = (
         Path(asked.study)
         if asked.study.endswith(".toml")

@@ -39,7 +39,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pandas as pd
 
-ROOT, TREE = Path(__file__).resolve().parents[1], "SAME_BITS_TREE"
+ROOT = Path(__file__).resolve().parents[1]
+TREE = "SAME_BITS_TREE"
 sys.path.insert(0, os.environ.get(TREE, str(ROOT)))
 
 import damage.applications  # noqa: F401, options of the runs
@@ -154,7 +155,8 @@ def differences(old, new, tolerance=0.0):
     """Differences of the `values` of two histories, a line an array: a list of str."""
     found = [f"{name}: gone" for name in sorted(old.keys() - new.keys())]
     for name in sorted(old.keys() & new.keys()):
-        a, b = np.asarray(old[name]), np.asarray(new[name])
+        a = np.asarray(old[name])
+        b = np.asarray(new[name])
         if a.shape != b.shape or a.dtype != b.dtype:
             found.append(f"{name}: {a.dtype}{a.shape} became {b.dtype}{b.shape}")
         elif a.dtype.kind in "UO" and not np.array_equal(a, b):
@@ -197,7 +199,8 @@ def compare(old, new, tolerance, old_tree):
         )
         different |= bool(found)
     for table in [] if old.is_file() else sorted(old.glob("*.csv")):  # of members
-        first, second = members(table), members(new / table.name)
+        first = members(table)
+        second = members(new / table.name)
         same = second is not None and first.equals(second.reindex(columns=first.columns))
         print(f"{table.name}: {'equal' if same else 'differs'}")
         different |= not same

@@ -24,7 +24,8 @@ from damage.wall.file import load_wall
 from damage.wall.layout import lay_out
 from yade_scripts import COMMAND
 
-PIECES, STEPS = 30, 2000
+PIECES = 30
+STEPS = 2000
 
 
 def reference_seconds():

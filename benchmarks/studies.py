@@ -34,7 +34,8 @@ from damage.applications.studies.records import record_of
 from damage.history.in_memory import HistoryInMemory
 from damage.reference.session import run_references
 
-SOFTENING, BRITTLE = "walls/variants/symmetric_softening.py", "walls/symmetric.py"
+SOFTENING = "walls/variants/symmetric_softening.py"
+BRITTLE = "walls/symmetric.py"
 DRAWN = {"rest": 0.1, "strength-cov": 0.3}
 RECORD = {
     "record": "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv",
@@ -104,7 +105,8 @@ def spread(values, digits):
 def time_study(folder, checkout, case, runs):
     """Clock time of a study of so many runs of a case [s]."""
     wall, options, word, _ = CASES[case]
-    out, study = folder / "out", folder / f"{case}.toml"
+    out = folder / "out"
+    study = folder / f"{case}.toml"
     options = ", ".join(f"{name} = {json.dumps(value)}" for name, value in options.items())
     study.write_text(
         f'name = "{case}"\ntitle = "{case}"\npictures = "none"\n[[runs]]\nwall = "{wall}"\n'

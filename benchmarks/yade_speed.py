@@ -20,7 +20,8 @@ def main():
     layout = lay_out(load_wall("walls/symmetric.py"))
     step = STEP_FACTOR * natural_modes(layout).critical_time_step_s
     model = build(layout, step)
-    model.newton.gravity, model.newton.damping = (0, 0, -9.81), 0.7
+    model.newton.gravity = (0, 0, -9.81)
+    model.newton.damping = 0.7
     O.run(500, True)
     least = min(timeit.repeat(lambda: O.run(500, True), number=1, repeat=12)) / 500
     print(f"speed {least} {step}")

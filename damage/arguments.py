@@ -32,7 +32,8 @@ class OneLineParser(argparse.ArgumentParser):
     """
 
     def __init__(self, *args, examples=(), **kwargs):
-        self.examples, self.groups = examples, {}
+        self.examples = examples
+        self.groups = {}
         more = {"epilog": "\n  ".join(["examples:", *examples])} if examples else {}
         super().__init__(*args, **{"formatter_class": _Help, **more, **kwargs})
         # argparse takes -1e-5 for an option; it is a number.

@@ -87,12 +87,14 @@ def is_plain_name(word):
 def check_path(path):
     """The Path of a word; InputError where no file can be called so, or its name would garble what
     is printed."""
-    path, name = Path(path), ""
+    path = Path(path)
+    name = ""
     odd = any(unicodedata.category(c) in ("Cc", "Cs") for c in str(path))
     try:
         name = os.fsencode(path).decode("utf-8")
     except UnicodeEncodeError:  # named in a file
-        odd, name = True, str(path)
+        odd = True
+        name = str(path)
     except UnicodeDecodeError:
         pass
     if odd and name and name.isprintable():

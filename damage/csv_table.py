@@ -21,7 +21,8 @@ from damage.checks import check_file
 from damage.errors import InputError
 from damage.files import text_lines
 
-MOST_MB, MOST_ROWS = 50, 500_000
+MOST_MB = 50
+MOST_ROWS = 500_000
 """Size of a file, and its rows: what is read in seconds and in less than a gigabyte."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
@@ -104,7 +105,9 @@ class CsvTable:
     """
 
     def __init__(self, path, names, lines, separator, columns=None):
-        self.path, self.names, self.line = path, names, []
+        self.path = path
+        self.names = names
+        self.line = []
         text = pd.DataFrame(self._cells(lines, separator), columns=names, dtype=object)
         self._take_decimal_commas(text, separator)
         self.rows = (
@@ -115,7 +118,8 @@ class CsvTable:
 
     def _cells(self, lines, separator):
         """The cells of each row, as many as there are names."""
-        numbers, width = [number for number, _ in lines], len(self.names)
+        numbers = [number for number, _ in lines]
+        width = len(self.names)
         texts = (line for _, line in lines)
         reader = csv.reader(texts, delimiter=separator or " ", skipinitialspace=True)
         rows = []

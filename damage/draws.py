@@ -12,10 +12,13 @@ import numpy as np
 
 from damage.elementary import exp, log
 
-_LAYERS, _EDGE, _AREA = 256, 3.6541528853610087963519472518, 0.00492867323397465524494
+_LAYERS = 256
+_EDGE = 3.6541528853610087963519472518
+_AREA = 0.00492867323397465524494
 """Of the ziggurat: layers, where its tail begins, area of a layer."""
 _MANTISSA = 2.0**52
-_LOW, _HALF = np.uint64(0xFFFFFFFF), np.uint64(32)
+_LOW = np.uint64(0xFFFFFFFF)
+_HALF = np.uint64(32)
 
 
 class Draws:
@@ -23,7 +26,8 @@ class Draws:
     numpy.random.SeedSequence."""
 
     def __init__(self, seed):
-        self._bits, self._half = np.random.PCG64(seed), np.zeros(0, np.uint64)
+        self._bits = np.random.PCG64(seed)
+        self._half = np.zeros(0, np.uint64)
 
     def uniform(self, n):
         """Numbers (n,) from 0 to 1, below 1."""
@@ -46,12 +50,16 @@ class Draws:
     def _normal(self):
         while True:
             word = self._bits.random_raw()
-            layer, size, negative = word & 0xFF, word >> 9 & 0xFFFFFFFFFFFFF, word >> 8 & 1
+            layer = word & 0xFF
+            size = word >> 9 & 0xFFFFFFFFFFFFF
+            negative = word >> 8 & 1
             x = size * _WIDTHS[layer]
             if size >= _WHOLE[layer]:  # at the edge of its layer
                 if layer == 0:
                     return self._tail(size >> 8 & 1)
-                above, below, (up,) = _HEIGHTS[layer - 1], _HEIGHTS[layer], self.uniform(1)
+                above = _HEIGHTS[layer - 1]
+                below = _HEIGHTS[layer]
+                (up,) = self.uniform(1)
                 if (above - below) * up + below >= exp(-0.5 * x * x):
                     continue
             return -x if negative else x
@@ -78,11 +86,13 @@ def _ziggurat():
     """Of every layer, arrays: its width over 2**52, the size below which a point is inside the next
     layer, too, and the density exp(-x^2 / 2) at its width.  Layer 0 is the base with the tail, the
     others grow from the top down."""
-    width, density = [_EDGE], [float(exp(-0.5 * _EDGE * _EDGE))]
+    width = [_EDGE]
+    density = [float(exp(-0.5 * _EDGE * _EDGE))]
     while len(width) < _LAYERS - 1:
         density.append(density[-1] + _AREA / width[-1])
         width.append(math.sqrt(-2.0 * float(log(density[-1]))))
-    width, density = [_AREA / density[0], *reversed(width)], [1.0, *reversed(density)]
+    width = [_AREA / density[0], *reversed(width)]
+    density = [1.0, *reversed(density)]
     inner = [_EDGE, 0.0, *width[1:-1]]
     whole = [int(_MANTISSA * i / w) for i, w in zip(inner, width)]
     return [one / _MANTISSA for one in width], whole, density

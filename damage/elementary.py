@@ -52,7 +52,8 @@ _PART = 1024  # values
 def exp(x):
     """e to the power of x."""
     count = np.floor(x * 1.4426950408889634 + 0.5)
-    high, low = x - count * _LN2[0], count * _LN2[1]
+    high = x - count * _LN2[0]
+    low = count * _LN2[1]
     r = high - low
     t = r * r
     c = r - t * (
@@ -74,8 +75,10 @@ def log(x):
     """Natural logarithm of a positive x."""
     part, count = np.frexp(x)
     small = part < _SQRT_HALF
-    f, count = np.where(small, 2.0 * part, part) - 1.0, np.where(small, count - 1.0, count)
-    s, half = f / (2.0 + f), 0.5 * f * f
+    f = np.where(small, 2.0 * part, part) - 1.0
+    count = np.where(small, count - 1.0, count)
+    s = f / (2.0 + f)
+    half = 0.5 * f * f
     z = s * s
     series = z * (
         6.666666666666735130e-01
@@ -162,7 +165,8 @@ def total(values):
 def _reduced(x):
     """The nearest number of quarter turns to x [rad], and what is left of x in two parts."""
     count = np.floor(x * 0.6366197723675814 + 0.5)
-    high, low = x - count * _QUARTER[0], count * _QUARTER[1]
+    high = x - count * _QUARTER[0]
+    low = count * _QUARTER[1]
     rest = high - low
     low = count * _QUARTER[2] - ((high - rest) - low)
     return count, rest - low, (rest - (rest - low)) - low

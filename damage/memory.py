@@ -10,7 +10,8 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-LEAST, A_THREAD = 600_000_000, 150_000_000
+LEAST = 600_000_000
+A_THREAD = 150_000_000
 """Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each
 more."""
 YADE = 650_000_000

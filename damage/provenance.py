@@ -159,5 +159,6 @@ class _Code(ast.NodeTransformer):
 
     def visit_Call(self, node):
         if getattr(node.func, "id", None) in _SAYING:
-            node.args, node.keywords = [], [one for one in node.keywords if one.arg == "default"]
+            node.args = []
+            node.keywords = [one for one in node.keywords if one.arg == "default"]
         return self.generic_visit(node)

@@ -19,7 +19,9 @@ from decimal import ROUND_FLOOR, Decimal
 
 import numpy as np
 
-ACCELERATION, DISPLACEMENT, BITS = 2.0**-24, 2.0**-30, 26
+ACCELERATION = 2.0**-24
+DISPLACEMENT = 2.0**-30
+BITS = 26
 _EDGE = 2.0**-20
 """Share by which a number may lie below one of three digits and still be taken for it."""
 

@@ -11,7 +11,11 @@ import sys
 from damage.errors import InputError, RunError, WriteError, of_locale, one_line
 from damage.memory import shortage
 
-EXIT_OK, EXIT_FAILED, EXIT_INPUT, EXIT_MISSING, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
+EXIT_OK = 0
+EXIT_FAILED = 1
+EXIT_INPUT = 2
+EXIT_MISSING = 3
+EXIT_INTERRUPTED = 130
 """Done; failed, or out of memory; bad input; a library is missing; interrupted."""
 NAMED_OTHERWISE = {"snakemake": ("snakemake", "snakemake (the extra masonry-damage[study])")}
 """Libraries whose packages have other names: {library: (Debian's, what pip installs)}."""
@@ -64,7 +68,8 @@ def reported(work):
 def report_error(error, of=""):
     """Print an error, as `reported` does, with the words `of` before it; returns the exit
     status."""
-    message, status = str(error), EXIT_FAILED
+    message = str(error)
+    status = EXIT_FAILED
     if isinstance(error, WriteError):
         print(f"error: {error}", file=sys.stderr, flush=True)
         sys.stdout.flush()
@@ -72,9 +77,11 @@ def report_error(error, of=""):
     if isinstance(error, InputError):
         status = EXIT_INPUT
     elif isinstance(error, UnicodeEncodeError) and error.encoding == sys.getfilesystemencoding():
-        message, status = of_locale(error.object), EXIT_INPUT
+        message = of_locale(error.object)
+        status = EXIT_INPUT
     elif isinstance(error, ImportError) and missing_library(error):
-        message, status = missing_library(error), EXIT_MISSING
+        message = missing_library(error)
+        status = EXIT_MISSING
     elif isinstance(error, MemoryError):
         message = (
             f"out of memory ({one_line(error) or 'no more to be had'}): expected room for it; give"

@@ -73,7 +73,8 @@ def write_out(app, name, source):
 
 def _menu(text):
     """A toctree for each part of the table of docs/README.md."""
-    part, parts = "", {}
+    part = ""
+    parts = {}
     for cells in (line.split("|") for line in text.splitlines() if line.startswith("|")):
         part = cells[1].strip() or part  # an empty cell: as in the row before
         parts[part] = parts.get(part, []) + re.findall(r"\(([\w/-]+)\.md\)", cells[2])
@@ -95,7 +96,8 @@ def only_what_is_here(app, name, source):
     folder = (Path(app.srcdir) / name).parent
 
     def without_link(match):
-        words, path = match[1], (folder / match[2]).resolve()
+        words = match[1]
+        path = (folder / match[2]).resolve()
         page = path.suffix == ".md" and path.is_relative_to(app.srcdir) and path.name != "README.md"
         return match[0] if page or not path.exists() else f"{words} (`{path.relative_to(ROOT)}`)"
 
@@ -197,7 +199,8 @@ def make_whole(app, error):
     if error:
         return
     static = Path(app.outdir) / "_static"
-    script, style = static / "scripts" / "furo.js", static / "styles" / "furo.css"
+    script = static / "scripts" / "furo.js"
+    style = static / "styles" / "furo.css"
     text = script.read_text(encoding="utf-8")
     if imported := re.match(r'import \w+ from "\./([\w-]+\.js)";', text):
         library = script.with_name(imported[1]).read_text(encoding="utf-8")

@@ -37,7 +37,8 @@ FARTHEST = {"squat_tested": 0.3, "comp2_4": 0.3, "comp2_1": 4.0, "comp2_3": 2.0}
 """Walls, and to which drift each is pushed [%]."""
 SPEED = {True: 4e-3, False: 2e-2}
 """Speed of the top of a wall that slides, and of one that rocks [m/s]."""
-SLIDING, ROCKING_SPEED = ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3), 8e-2
+SLIDING = ("0.005,0.01,0.025,0.05,0.1,0.15,0.2,0.25,0.3", 8e-3)
+ROCKING_SPEED = 8e-2
 CYCLES = {
     "squat_tested": SLIDING,
     "comp2_4": SLIDING,
@@ -49,7 +50,8 @@ UNSEEN = ("comp1_1", "comp2_2")
 ELSEWHERE = ("mi1", "mi2", "isp1", "isp3", "abrams_w1", "abrams_w3")
 """Walls in whose view nothing was chosen, of the same tests and of other laboratories; made and
 pushed as docs/guides/tested-wall.md says."""
-BEYOND, ON = 1.4, 0.6
+BEYOND = 1.4
+ON = 0.6
 """How far a wall that rocks is pushed, in drifts at which a crushed toe carries no load; one that
 slides and has kept its force [%]."""
 SCATTER = 0.35
@@ -97,7 +99,8 @@ def along_courses(wall, contacts, scatter, _):
     )
     number = table.groupby(["first", "second"], sort=False).ngroup()
     joints = table.groupby(number)[["x", "z", "head"]].mean()
-    random, normal = np.random.default_rng(seed), np.zeros(len(joints))
+    random = np.random.default_rng(seed)
+    normal = np.zeros(len(joints))
     for _, rows in joints.groupby(["head", "z"]):
         apart = np.abs(np.subtract.outer(rows.x.to_numpy(), rows.x.to_numpy())) / (
             wall.brick.length / 2
@@ -134,7 +137,8 @@ SEEDS = (1, 2)
 def tested_wall(specimen):
     """The wall of a test by the prediction, from its row in the table of tests alone."""
     row = of_test(specimen)
-    cohesion, halves = 1e6 * row["fv0_MPa"], round(2 * row["L_m"] / (row["lb_mm"] / 1e3 + 0.010))
+    cohesion = 1e6 * row["fv0_MPa"]
+    halves = round(2 * row["L_m"] / (row["lb_mm"] / 1e3 + 0.010))
     joint = Joint(
         tensile_strength=0.875 * cohesion,
         cohesion=cohesion,
@@ -169,7 +173,8 @@ def wall_by(name, law):
     """The wall of a shipped file by a Law; an unseen one by the prediction."""
     if name in UNSEEN + ELSEWHERE:
         return tested_wall(SPECIMENS[name])
-    wall, energies = softened(load_wall(name), law.bond), {}
+    wall = softened(load_wall(name), law.bond)
+    energies = {}
     if law.crushes:
         energies["compressive_strength"] = strength = 1e6 * float(
             of_test(SPECIMENS[name])["fm_c_MPa"]
@@ -234,13 +239,15 @@ def capacity_of(name, history):
 def row(label, name, history):
     """A run beside its test, both as means over the directions of loading."""
     found, tested = capacity_of(name, history)
-    lost, cells = history.series[list(DISSIPATED[:2])].iloc[-1], []
+    lost = history.series[list(DISSIPATED[:2])].iloc[-1]
+    cells = []
     for key in ("peak_force_n", "stiffness_n_per_m", "force_n", "mean_force_n", "left_n"):
         cells += [
             "-" if one[key] is None else f"{one[key] / FIGURES[key][2]:.1f}"
             for one in (found, tested)
         ]
-    ultimate, shares = 100 * found["ultimate_drift"], found["failure"]
+    ultimate = 100 * found["ultimate_drift"]
+    shares = found["failure"]
     print_row(
         SPECIMENS[name],
         label,
@@ -330,7 +337,9 @@ def unseen(bench):
 # --- draws of the strengths -----------------------------------------------------------------------
 
 DRAWS = 32
-DRAWN_FAR, DRAWN_SPEED, DRAWN_STEP = 0.26, 8e-3, 0.6
+DRAWN_FAR = 0.26
+DRAWN_SPEED = 8e-3
+DRAWN_STEP = 0.6
 """To which drift walls are pushed with drawn strengths [%], how fast [m/s], and the share of the
 critical step: four times as fast as `prediction`, whose draws 1 and 2 are the same."""
 

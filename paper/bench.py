@@ -53,10 +53,8 @@ class Bench:
     def run(self, wall, words, *label):
         """The History of a wall, a Wall or what `load_wall` takes, in the reference solver; words:
         of the command line; label: by what its file is called beside them."""
-        out, source = (
-            self.path(*label, *words),
-            (__file__ if isinstance(wall, Wall) else wall_path(wall)),
-        )
+        out = self.path(*label, *words)
+        source = __file__ if isinstance(wall, Wall) else wall_path(wall)
         if not is_complete(out):
             with silenced() as said:
                 status = run_session(

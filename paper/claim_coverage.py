@@ -48,7 +48,9 @@ from damage.measure.cracks import close_pairs, crack_numbers, crack_table, crack
 from damage.units import MILLIMETRE
 from paper.bench import arguments, option, print_row, print_table
 
-LIMIT, ERROR, STEP = 0.1 * MILLIMETRE, 0.05 * MILLIMETRE, 0.05 * MILLIMETRE
+LIMIT = 0.1 * MILLIMETRE
+ERROR = 0.05 * MILLIMETRE
+STEP = 0.05 * MILLIMETRE
 BINS = 0, 0.25, 0.5, 0.75, 0.9, 1
 CLAIMS = {"B": "both", "E": "earthquakes", "S": "settlement"}
 """{kind of claim: state of the twins that is surveyed}."""
@@ -95,7 +97,8 @@ class Library:
         others = np.arange(len(self.twins)) != left_out
         kept = (self.shown & others).ravel()[self.shown.ravel()]
         strange = strange_share(away[:, others][self.shown[:, others]], self.pairs[kept][:, kept])
-        weight, twins = kernel(away, self.shown)[:, others], some_of(self.twins, others)
+        weight = kernel(away, self.shown)[:, others]
+        twins = some_of(self.twins, others)
         return answers(twins, Likeness(away[:, others], weight, strange), survey)
 
 
@@ -112,10 +115,8 @@ def surveyed_wall(library, state, k, rng, offsets):
     """(Survey of a draw in a state as a surveyor draws it, its CrackPattern); None where nothing is
     seen."""
     twins = library.twins
-    opening, offset = (
-        twins.opening_m[state][k].astype(float),
-        twins.offset_m[state][k].astype(float),
-    )
+    opening = twins.opening_m[state][k].astype(float)
+    offset = twins.offset_m[state][k].astype(float)
     width = np.hypot(opening, offset)
     crack = crack_numbers(cracked(width, LIMIT / 2), close_pairs(twins.ends))
     read = ERROR - STEP / 2  # the rest of the error is of rounding
@@ -129,7 +130,8 @@ def surveyed_wall(library, state, k, rng, offsets):
     if not shown.any():
         return None
     cracks = crack_table(twins.ends, shown, 0 * shown, LIMIT).sort_values("joint")
-    pattern, joint = pattern_of(cracks, 1, 0.0), cracks["joint"].to_numpy()
+    pattern = pattern_of(cracks, 1, 0.0)
+    joint = cracks["joint"].to_numpy()
     seen_offset = (
         cracked(np.abs(offset[joint]), LIMIT).astype(float)
         if offsets
@@ -266,7 +268,8 @@ def print_calibration(one, rows):
     """Rows of what the sheet states beside what was so, of claims of B and E, and a row on the
     number of draws."""
     mine = rows[rows["kind"].isin(["B", "E"])]
-    said, so = mine["p_0.5"].astype(float), mine["not_without_earthquakes"].astype(float)
+    said = mine["p_0.5"].astype(float)
+    so = mine["not_without_earthquakes"].astype(float)
     for low, high in zip(BINS, BINS[1:]):
         inside = (said > low - (low == 0)) & (said <= high)
         if inside.any():
@@ -311,7 +314,8 @@ def print_rows(rows, title):
             sum(int(answered[f"wrong_{name}"].astype(bool).sum()) for name in names),
         ]
         print_row(title, kind, len(mine), int((mine["reasons"] != "").sum()), *counts)
-        said, wrong = said + counts[-2], wrong + counts[-1]
+        said = said + counts[-2]
+        wrong = wrong + counts[-1]
     if said:
         bound = binomtest(wrong, said, alternative="less").proportion_ci(0.95).high
         print(

@@ -69,14 +69,17 @@ def judge_combinations(folder):
 
     Raises InputError where there is none.
     """
-    runs, records, found = load_runs(folder), shipped_records(), []
+    runs = load_runs(folder)
+    records = shipped_records()
+    found = []
     runs = runs[runs["solver"] == SOLVER]
     *of_walls, of_cycles = (known for _, known in CHOICES.values())
     for levels in product(*of_walls):
         mine = _runs_of(runs, *levels)
         if not (mine["wall"] == "symmetric").any():  # a solid wall alone is no combination
             continue
-        points, lintel = gather(mine), levels[list(CHOICES).index("lintel")]
+        points = gather(mine)
+        lintel = levels[list(CHOICES).index("lintel")]
         for cycles in of_cycles:
             if ("symmetric", lintel, 0.2, cycles) in points:
                 findings = judge_with(
@@ -176,7 +179,8 @@ def is_orthogonal(levels, with_pairs=False):
 
 def table_of_effects(found):
     """Lines of a Markdown table: a row a claim that some combinations meet and others do not."""
-    levels, rows = signs(found), []
+    levels = signs(found)
+    rows = []
     if not is_orthogonal(levels):
         return ["The design is incomplete: effects cannot be separated."]
     for claim in judged_by_some(found):
@@ -270,7 +274,9 @@ def _row(one):
 def conclusions(found):
     """Lines that say which combination meets most claims, what each choice changes and what none
     meets."""
-    claims, levels, alike = judged_by_some(found), signs(found), of_the_papers_period(found)
+    claims = judged_by_some(found)
+    levels = signs(found)
+    alike = of_the_papers_period(found)
     never = [claim.id for claim in claims if not any(one.holds(claim.id) for one in found)]
     always = [claim.id for claim in claims if all(one.holds(claim.id) for one in found)]
     count = [len(one.met()) for one in found]

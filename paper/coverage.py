@@ -30,7 +30,8 @@ TWINS = "COMP2_4", "COMP2_5"
 def cases(folder):
     """{wall: (Wall, {test: {of MEASURES: mean over both directions}})}."""
     inputs = {row.wall: row for row in pd.read_csv(folder / "inputs.csv").itertuples()}
-    found, results = {}, pd.read_csv(folder / "results_sw_lw.csv").set_index("wall")
+    found = {}
+    results = pd.read_csv(folder / "results_sw_lw.csv").set_index("wall")
     for name, row in results.iterrows():
         peak, force, elastic, ultimate = (
             (row[f"{what}_plus"] + row[f"{what}_minus"]) / 2
@@ -61,7 +62,8 @@ def main():
         option("--drawn", nargs="+", choices=DRAWN, default=list(DRAWN)),
         option("--out", type=Path, default=Path("results/coverage")),
     )
-    bench, rows = Bench(parsed.out), []
+    bench = Bench(parsed.out)
+    rows = []
     for drawn, (name, (wall, tests)) in product(parsed.drawn, cases(parsed.folder).items()):
         if parsed.walls and name not in parsed.walls:
             continue
@@ -72,8 +74,11 @@ def main():
         }
         found = [figures(history) for history in bench.together(runs).values()]
         for test, measure in ((test, measure) for test in tests for measure in MEASURES):
-            values, size = [one[measure] for one in found], FIGURES[measure][2]
-            least, most, tested = min(values), max(values), tests[test][measure]
+            values = [one[measure] for one in found]
+            size = FIGURES[measure][2]
+            least = min(values)
+            most = max(values)
+            tested = tests[test][measure]
             rows.append(
                 {
                     "wall": test,

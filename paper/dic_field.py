@@ -24,7 +24,8 @@ PSI_FROM_MM = (0.02, 0.05, 0.1)
 def sampled_field(layout, motion, level=1.0, spacing=0.01, noise=0.0, seed=0, drift_ratio=np.nan):
     """What DIC sees of bricks that move as `motion` (n_bodies, 3) [m, m, rad] says: a Field of
     points on a grid, each component with a normal error of `noise` [m]."""
-    bodies, wall = layout.bodies, layout.wall
+    bodies = layout.bodies
+    wall = layout.wall
     grid = np.stack(
         np.meshgrid(
             np.arange(spacing / 2, wall.length, spacing),
@@ -47,7 +48,8 @@ def sampled_field(layout, motion, level=1.0, spacing=0.01, noise=0.0, seed=0, dr
 def fields_of(history, layout, every_s, noise):
     """A Field every so often [s] of a History's snapshots, each with errors of its own, and their
     samples (indices)."""
-    times, snapshots = history.series["time_s"].to_numpy(), history.snapshot_time_s
+    times = history.series["time_s"].to_numpy()
+    snapshots = history.snapshot_time_s
     moments = np.arange(snapshots[0], snapshots[-1], every_s)
     chosen = np.unique([*np.searchsorted(snapshots, moments - 1e-9), len(snapshots) - 1])
     fields = [
@@ -76,7 +78,8 @@ def main():
         option("--noise-mm", type=float, default=0.01, help="of a displacement (default 0.01)"),
     )
     history = read_history(asked.history)
-    layout, index = lay_out(history.masonry_wall, history.model), history.index()
+    layout = lay_out(history.masonry_wall, history.model)
+    index = history.index()
     fields, samples = fields_of(history, layout, asked.every_s, asked.noise_mm * MILLIMETRE)
     measured = measure(fields, layout)
     for least_mm in PSI_FROM_MM:

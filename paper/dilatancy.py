@@ -57,12 +57,14 @@ def push(layout, farthest, speed, *, dilatancy, rotates=False, lifts=True):
     rotates, lifts: whether the top may."""
     wall = settled_wall(layout)
     wall.start(np.zeros((0, 2)))
-    caps, states = layout.pushed_bodies, wall.system.states
+    caps = layout.pushed_bodies
+    states = wall.system.states
     wall.hold(caps, not rotates)
     if not lifts:
         wall.system.inverse_mass[caps, Z] = wall.system.velocity[caps, Z] = 0.0
     wall.push(speed)
-    start, rows = wall.displacement[caps, :2].mean(axis=0), []
+    start = wall.displacement[caps, :2].mean(axis=0)
+    rows = []
     steps = max(1, round(SAMPLE_S / wall.time_step / EVERY))
     while not rows or rows[-1][0] < farthest:
         for _ in range(steps):
@@ -126,13 +128,15 @@ def main():
         "lift at 0.2 % [mm]",
     )
     for name, label, rotates in WALLS:
-        wall, brittle = load_wall(name), label not in SCATTERED
+        wall = load_wall(name)
+        brittle = label not in SCATTERED
         if not brittle:
             wall = replace(
                 wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength))
             )
         layout = lay_out(wall, SCATTERED.get(label, ModelOptions()))
-        height, without = layout.pushed_height, None
+        height = layout.pushed_height
+        without = None
         for dilatancy, lifts in (
             *((level, True) for level in LEVELS),
             *([(LEVELS[-1], False)] if brittle else []),

@@ -214,7 +214,8 @@ def shaken_walls():
     return finished(figure, 3, "The wall US-1 on a shaking table at 2.06 m, beside the test")
 
 
-LENGTH, HEIGHT = 0.225, 0.075
+LENGTH = 0.225
+HEIGHT = 0.075
 """Of a brick in the figure of contact points, with its half joints [m]; places there are complex
 numbers, x + i z."""
 

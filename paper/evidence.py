@@ -177,7 +177,8 @@ class Point:
 def _cycles(folder, run):
     """The cycles of a run: of a table of its own, or of that of its study; empty where neither has
     them."""
-    alone, together = folder / f"{run}_cycles.csv", folder / "cycles.csv"
+    alone = folder / f"{run}_cycles.csv"
+    together = folder / "cycles.csv"
     if alone.is_file():
         return read_table(alone)
     table = (

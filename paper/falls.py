@@ -34,7 +34,8 @@ from damage.wall.parameters import Joint, Opening, Wall
 from paper.bench import REPOSITORY, arguments, option
 from yade_scripts import COMMAND
 
-SECONDS, INTERVAL_S = 3.0, 0.01
+SECONDS = 3.0
+INTERVAL_S = 0.01
 """Of the spandrel: how long it is followed, and how often it is looked at [s]."""
 
 
@@ -107,7 +108,8 @@ def in_reference(seconds=SECONDS):
     wall = ReferenceSolver(
         layout, 0.6 * natural_modes(layout).critical_time_step_s, new_contacts=True
     )
-    at, motion = [0.0], [wall.displacement]
+    at = [0.0]
+    motion = [wall.displacement]
     while at[-1] < seconds:
         wall.run(round(INTERVAL_S / wall.time_step))
         at.append(wall.step * wall.time_step)
@@ -143,7 +145,8 @@ def overlaps(history):
     found = {"bricks": 0.0, "caps": 0.0, "ground": 0.0}
     for motion in history.displacement:
         places = body_corners(history.bodies, motion.astype(float))
-        low, high = places.min(axis=1), places.max(axis=1)
+        low = places.min(axis=1)
+        high = places.max(axis=1)
         found["ground"] = max(found["ground"], -low[:, 1].min())
         for one in range(len(places)):
             near = np.all((low[one + 1 :] < high[one]) & (high[one + 1 :] > low[one]), axis=1)
@@ -159,7 +162,8 @@ def depth(one, other):
     for corner in (one, other):
         for side in np.diff(corner[:3], axis=0):
             normal = np.array([-side[1], side[0]]) / np.hypot(*side)
-            here, there = one @ normal, other @ normal
+            here = one @ normal
+            there = other @ normal
             shared = min(shared, min(here.max(), there.max()) - max(here.min(), there.min()))
     return max(shared, 0.0)
 

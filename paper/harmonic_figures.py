@@ -235,7 +235,8 @@ def _draw_drift(ax, results, point):
     Only the run that is drawn first has its last cycle marked.
     """
     history = results.history(point)
-    time_s, drift_pct = history.moving["time_s"], 100 * history.moving["drift_ratio"]
+    time_s = history.moving["time_s"]
+    drift_pct = 100 * history.moving["drift_ratio"]
     marked = set()
     if history.collapsed_at_s is not None:
         ax.plot(time_s.iloc[-1], drift_pct.iloc[-1], "x", color=VERMILLION, ms=6, zorder=7)

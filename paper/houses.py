@@ -136,7 +136,8 @@ def codes(folder):
                 )
                 verdict = in_words(row["agrees"])
                 print_row(name, label, yade, f"{median} ({low} to {high})", allowed, verdict)
-        drift, joints = result["drift"], result["joints"]
+        drift = result["drift"]
+        joints = result["joints"]
         print_row(
             name,
             "drift up to the first failure, RMS of the difference",

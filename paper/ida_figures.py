@@ -95,8 +95,10 @@ def _synthetic_note(names):
 def _unscaled_motion(results, point):
     """The record of a point's first run as it was prepared for it, at scale 1, from a file with the
     same bytes."""
-    loading, own = results.history(point).loading, results.records
-    file, sha256 = loading.horizontal["file"], loading.horizontal["sha256"]
+    loading = results.history(point).loading
+    own = results.records
+    file = loading.horizontal["file"]
+    sha256 = loading.horizontal["sha256"]
     for path in (*shipped_record_path().parents[1].glob(f"*/{file}"), own / file):
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256:
             return loading.unscaled(read_record(path, **loading.horizontal.get("given", {})))
@@ -148,12 +150,11 @@ def against_drift(variant, slip="displacement"):
     negative in the range of the drifts.
     """
     names = marks.in_order(variant.points["record"].unique())
-    markers, hollow = (
-        marks.record_markers(names),
-        dict(zip(names, marks.SINGLE_MARKERS * len(names))),
-    )
+    markers = marks.record_markers(names)
+    hollow = dict(zip(names, marks.SINGLE_MARKERS * len(names)))
     figure, axes = panels.grid(1, 2, 2.5)
-    reference, yade = in_percent(variant.reference), in_percent(variant.yade)
+    reference = in_percent(variant.reference)
+    yade = in_percent(variant.yade)
     collapsed = trend = False
     for number, (ax, state) in enumerate(zip(axes[0], ("max", "residual"))):
         column = f"{state}_{CRITERIA[slip]}DI"
@@ -202,13 +203,15 @@ def _draw_trend(ax, points, column):
     are too few."""
     drift, value = (marks.numbers(points, name) for name in ("max_drift_pct", column))
     known = np.isfinite(drift) & np.isfinite(value) & ~marks.fallen(points)
-    drift, value = drift[known], value[known]
+    drift = drift[known]
+    value = value[known]
     if np.unique(drift).size < TREND_POINTS:
         return None
     trend, held = nonnegative_parabola(drift, value)
     along = np.linspace(drift.min(), drift.max(), 200)
     ax.plot(along, trend(along), color=BLUE, lw=1.0, zorder=5)
-    rest, spread = np.mean((value - trend(drift)) ** 2), np.var(value)
+    rest = np.mean((value - trend(drift)) ** 2)
+    spread = np.var(value)
     return (
         f", trend{' held at 0 or above,' if held else ''} R² = {1 - rest / spread:.2f}"
         if spread > 0
@@ -225,7 +228,8 @@ def nonnegative_parabola(x, y):
     and v of one sign, or of two.
     """
     free = np.polynomial.Polynomial.fit(x, y, 2)
-    low, span = np.min(x), np.ptp(x)
+    low = np.min(x)
+    span = np.ptp(x)
     turns = [at for at in free.deriv().roots().real if low < at < low + span]
     if min(free(at) for at in (low, low + span, *turns)) >= 0:
         return free, False

@@ -34,24 +34,22 @@ LAWS = {
 """What a table calls a case, and what the bench does."""
 CLAY_MODULUS = 4850e6
 """Of masonry [Pa], at which the clay walls have the measured stiffness: COMP2_4's."""
-SLOW, QUICK = ["--speed", 2e-3], ["--speed", 1e-2]
+SLOW = ["--speed", 2e-3]
+QUICK = ["--speed", 1e-2]
 CYCLES = ["--cyclic", "0.025,0.05,0.1,0.2,0.3", "--cycles", 1, "--speed", 5e-3]
 
 
 def row(history, wall, law):
     """One wall by one law beside its test."""
-    test, found, shares = (
-        read_test(SPECIMENS[wall]),
-        summarise(history),
-        capacity.mode_shares(history),
-    )
+    test = read_test(SPECIMENS[wall])
+    found = summarise(history)
+    shares = capacity.mode_shares(history)
     line = capacity.bilinear(capacity.envelope(history), history.attributes["drift_height_m"])
-    crack, most = (
-        capacity.drift_at_first_crack(history),
-        float(history.series["drift_ratio"].abs().max()),
-    )
+    crack = capacity.drift_at_first_crack(history)
+    most = float(history.series["drift_ratio"].abs().max())
     fell = line["ultimate_drift"] < 0.99 * most
-    peak, measured = found["peak_force_n"], float(np.mean(test.peak_force_n))
+    peak = found["peak_force_n"]
+    measured = float(np.mean(test.peak_force_n))
     print_row(
         f"{test.specimen}",
         law,
@@ -177,7 +175,8 @@ def yade_cycles(bench):
         ]
         for cycles in zip(reference, yade, *scattered):
             for solver, (cycle, in_joints, fracture) in zip(("reference", "YADE"), cycles):
-                (first, joints, _), loop = cycles[0], cycle["dissipated_j"]
+                (first, joints, _) = cycles[0]
+                loop = cycle["dissipated_j"]
                 more = [
                     f"{100 * (here / there - 1):+.1f} %" if solver == "YADE" else ""
                     for here, there in ((loop, first["dissipated_j"]), (in_joints, joints))
@@ -304,7 +303,8 @@ def vary(bench, name, common, rows):
         history = bench.run(
             stiffer(wall, modulus) if modulus else wall, [*common, *words], name, label
         )
-        found, shares = summarise(history), capacity.mode_shares(history)
+        found = summarise(history)
+        shares = capacity.mode_shares(history)
         print_row(
             label,
             f"{found['initial_stiffness_n_per_m'] / 1e6:.0f}",

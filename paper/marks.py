@@ -182,7 +182,8 @@ def collapse_handle():
 
 def describe_members(points):
     """Text: number of runs of each point."""
-    low, high = int(points["members"].min()), int(points["members"].max())
+    low = int(points["members"].min())
+    high = int(points["members"].max())
     if high == 1:
         return "single runs"
     return f"median, range of {'' if low == high else 'up to '}{high} runs"

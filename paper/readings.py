@@ -66,7 +66,8 @@ def judge_readings(folder):
 
     InputError where there is no table, or no run of the reference solver.
     """
-    runs, records = load_runs(folder), shipped_records()
+    runs = load_runs(folder)
+    records = shipped_records()
     runs = runs[runs["solver"] == SOLVER]
     found = {}
     for reading in READINGS:
@@ -151,10 +152,8 @@ def _cell(findings):
 def conclusions(found):
     """Lines that say which reading meets most, and what none does."""
     held = {reading.words: holding(findings) for reading, findings in found.items()}
-    most, met = (
-        max(map(len, held.values())),
-        {claim for claims in held.values() for claim in claims},
-    )
+    most = max(map(len, held.values()))
+    met = {claim for claims in held.values() for claim in claims}
     predicted = [one for findings in found.values() for one in findings if one.claim.predicted]
     differing = dict.fromkeys(one.claim for one in predicted if one.verdict == DIFFERS)
     left = dict.fromkeys(

@@ -36,7 +36,8 @@ from yade_scripts import COMMAND
 
 OUT = REPOSITORY / "docs" / "tables" / "benchmarks"
 REPETITIONS = 30
-BETA_S, COV = 1e-6, 0.35
+BETA_S = 1e-6
+COV = 0.35
 
 
 class Masonry(NamedTuple):
@@ -85,7 +86,8 @@ class Specimen:
     are its readings."""
 
     def __init__(self, layout):
-        self.layout, self._segments = layout, tributary_ends(joint_table(layout))
+        self.layout = layout
+        self._segments = tributary_ends(joint_table(layout))
         modes = natural_modes(layout, 1)
         self._make_wall(SOFTENING_STEP_FACTOR * modes.critical_time_step_s)
 
@@ -136,7 +138,9 @@ class Spandrel(Specimen):
                 ),
             )
         )
-        middle, bodies, supports = wall.length / 2, self.layout.bodies, self.layout.supports
+        middle = wall.length / 2
+        bodies = self.layout.bodies
+        supports = self.layout.supports
         self._pushed = [
             int(np.argmin(np.abs(supports.x - middle - side * supports_m / 2))) for side in (-1, 1)
         ]
@@ -187,14 +191,18 @@ class Spandrel(Specimen):
         self.wall.move_supports(velocities)
 
 
-SPEED, LOOK_S = 4e-3, 5e-5
-STEPS_M, UNLOADED_N, TOO_FAR_S = (50e-6, 100e-6, 150e-6), 2e3, 1.0
+SPEED = 4e-3
+LOOK_S = 5e-5
+STEPS_M = (50e-6, 100e-6, 150e-6)
+UNLOADED_N = 2e3
+TOO_FAR_S = 1.0
 
 
 def until(specimen, speed, reached):
     """Move until `reached()`; returns the largest force [N], None where that takes too long."""
     specimen.move(speed)
-    largest, time_s = -math.inf, 0.0
+    largest = -math.inf
+    time_s = 0.0
     while not reached():
         specimen.advance(LOOK_S)
         time_s += LOOK_S
@@ -234,7 +242,9 @@ def repeated(specimen, amplitudes=STEPS_M, repetitions=REPETITIONS, speed=SPEED)
 # --- walls ----------------------------------------------------------------------------------------
 
 WINDOW = Opening(left=0.66, width=0.78, height=1.51, sill=0.66)
-DRIFT, WALL_SPEED, WALL_REPETITIONS = 0.27e-3, 8e-3, 15
+DRIFT = 0.27e-3
+WALL_SPEED = 8e-3
+WALL_REPETITIONS = 15
 
 
 class PushedWall(Specimen):
@@ -283,7 +293,8 @@ class PushedWall(Specimen):
 def pushed(specimen, protocol, drift):
     """Rows of a protocol, "one-way" or "two-way": force [N] at the amplitude in each repetition,
     both ways, and `cracks`."""
-    amplitude, rows = drift * specimen.layout.wall.height, []
+    amplitude = drift * specimen.layout.wall.height
+    rows = []
     for repetition in range(1, WALL_REPETITIONS + 1):
         until(specimen, WALL_SPEED, lambda: specimen.measure >= amplitude)
         rows.append(
@@ -341,7 +352,8 @@ def laws():
 
 def walls():
     """All repetitions of clay walls, first one way, then two ways."""
-    specimen, tables = PushedWall(CLAY, 1), []
+    specimen = PushedWall(CLAY, 1)
+    tables = []
     for step, protocol in product((1.0, 2.0), ("one-way", "two-way")):
         tables.append(pd.DataFrame(pushed(specimen, protocol, step * DRIFT)).assign(draw=1))
         pd.concat(tables).to_csv(OUT / "repeated_walls.csv", index=False, float_format="%.6g")
@@ -455,11 +467,9 @@ def of_spandrels(material, tables):
 
 def of_wall(drift, protocol, table):
     """Rows of the wall in a protocol."""
-    last, case, at = (
-        table["repetition"].max() - 1,
-        f"wall, clay, {protocol}",
-        f"at {1e3 * drift:.2g} per mil",
-    )
+    last = table["repetition"].max() - 1
+    case = f"wall, clay, {protocol}"
+    at = f"at {1e3 * drift:.2g} per mil"
     change = [
         (abs(table[side].iloc[-1]) - abs(table[side].iloc[0])) / last
         for side in ("plus_n", "minus_n")

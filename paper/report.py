@@ -33,7 +33,8 @@ def merged(findings):
     together; source: solver and model in words."""
     lines = []
     for source, members in _by(findings, "source"):
-        outcomes, lintels = {}, _distinct(members, "lintel")
+        outcomes = {}
+        lintels = _distinct(members, "lintel")
         for finding in members:
             outcome = finding.value, finding.verdict + ON_EDGE * finding.on_edge
             outcomes.setdefault(outcome, set()).add((finding.lintel, finding.slip))

@@ -22,7 +22,8 @@ RUN = ("run", "point", "solver")
 MODEL = USUAL_MODEL | {"cycles": None}
 """Columns that say how a point was modelled, whichever solver did it, and what an empty cell stands
 for."""
-REFERENCE, YADE = "reference", "yade"
+REFERENCE = "reference"
+YADE = "yade"
 
 
 class Missing(Exception):
@@ -55,7 +56,8 @@ class Results:
             )
         )
         if (called := rank < len(names)).any():
-            points, rank = points[called], rank[called]
+            points = points[called]
+            rank = rank[called]
         first = rank.sort_values(kind="stable").index
         return points.drop(
             points.loc[first][points.loc[first].duplicated(["point", "solver"])].index

@@ -24,7 +24,8 @@ from damage.wall.kinds import BED, HEAD
 from damage.wall.parameters import nearest
 from paper.bench import FIXED, Bench, arguments, option, print_row, print_table
 
-UNITS, COURSE = (0.31, 0.25), 0.2
+UNITS = (0.31, 0.25)
+COURSE = 0.2
 """Length along the wall and thickness of a unit with its mortar, height of a course [m]."""
 SHARE = 0.08
 """Tensile strength of a unit over its compressive strength along the wall."""
@@ -36,7 +37,8 @@ CYCLES = ["--cyclic", ",".join(map(str, AMPLITUDES)), "--cycles", 1, *FIXED, "--
 
 def wall_of(row):
     """The wall of a row of the inputs."""
-    halves, cohesion = nearest(2 * row.length_m / UNITS[0]), 1e6 * row.cohesion_mpa
+    halves = nearest(2 * row.length_m / UNITS[0])
+    cohesion = 1e6 * row.cohesion_mpa
     return wall_from(
         {
             "name": row.wall.lower().replace(".", "_"),
@@ -69,11 +71,13 @@ def loop_energies(history, height):
     """{amplitude [%]: energy of its closed loop of base shear and displacement at this height [J]}
     of a cyclic History."""
     force = history.series["base_shear_n"].to_numpy()
-    moved, found = height * history.series["drift_ratio"].to_numpy(), {}
+    moved = height * history.series["drift_ratio"].to_numpy()
+    found = {}
     for amplitude, first, last in zip(
         AMPLITUDES, cycle_edges(history)[:-1], cycle_edges(history)[1:]
     ):
-        u, f = moved[first:last], force[first:last]
+        u = moved[first:last]
+        f = force[first:last]
         found[amplitude] = abs(0.5 * float(np.sum(u * np.roll(f, -1) - np.roll(u, -1) * f)))
     return found
 
@@ -83,7 +87,8 @@ def predicted(bench, row):
     wall = wall_of(row)
     pushes = [bench.run(wall, [*PUSH, seed], row.wall) for seed in (1, 2, 3)]
     cycles = bench.run(wall, [*CYCLES, *DRAWN, 1], row.wall)
-    curves, loops = loaded_curves(cycles).values(), loop_energies(cycles, row.height_m)
+    curves = loaded_curves(cycles).values()
+    loops = loop_energies(cycles, row.height_m)
     left = {f"left_at_{drift}_pct": force_left(curves, drift) for drift in (0.2, 0.3, 0.4)}
     stiffness = [first_loading(one)["secant_stiffness_n_per_m"] for one in pushes]
     return {
@@ -161,7 +166,8 @@ TRIES = {
 def tried(bench, row, name):
     """A row of the table of tries: the wall of a row of the inputs, changed."""
     of_wall, of_contacts = TRIES[name]
-    wall, lay_out = wall_of(row), prepare.lay_out_building
+    wall = wall_of(row)
+    lay_out = prepare.lay_out_building
 
     def changed(*given, **options):
         layout = lay_out(*given, **options)
@@ -172,7 +178,8 @@ def tried(bench, row, name):
             bench.run(of_wall(wall) if of_wall else wall, [*words, 1], row.wall, name)
             for words in (PUSH, [*CYCLES, *DRAWN])
         )
-    curves, loops = loaded_curves(cycles).values(), loop_energies(cycles, row.height_m)
+    curves = loaded_curves(cycles).values()
+    loops = loop_energies(cycles, row.height_m)
     first = first_loading(push)
     print_row(
         row.wall,
@@ -194,7 +201,8 @@ def main():
         option("--out", type=Path, default=Path("results/shear_walls")),
         option("--tries", action="store_true"),
     )
-    bench, inputs = Bench(parsed.out), pd.read_csv(parsed.inputs)
+    bench = Bench(parsed.out)
+    inputs = pd.read_csv(parsed.inputs)
     rows = [row for row in inputs.itertuples() if row.wall in (parsed.walls or [*inputs.wall])]
     if parsed.tries:
         print_table(

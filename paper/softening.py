@@ -24,12 +24,10 @@ from paper.bench import REPOSITORY, print_row, print_table, print_tables
 SMALL_WALL = REPOSITORY / "walls" / "variants" / "small.py"
 PAPERS_JOINT = {"cohesion": 0.24e6, "tensile_strength": 0.21e6, "friction_angle": math.radians(32)}
 """Sarhosis et al. (2021), Table 1."""
-MILD, HARD = (
-    ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5]),
-    (
-        "solid",
-        ["--harmonic", 0.1, 0.3, "--rest", 0.5],
-    ),
+MILD = ("symmetric", ["--harmonic", 0.2, 0.05, "--rest", 0.5])
+HARD = (
+    "solid",
+    ["--harmonic", 0.1, 0.3, "--rest", 0.5],
 )
 SHIPPED = (0.35, 1e-6)
 MEMBERS = 10
@@ -84,7 +82,8 @@ def peak_and_fall(history):
 def numbers(history):
     """DI, drift [%], length of joints that travel more than 0.1 mm [m], energy error [%], as
     text."""
-    summary, length = summarise(history), history.joint_length_m
+    summary = summarise(history)
+    length = history.joint_length_m
     travel = np.abs(np.diff(history.slip_m, axis=0)).sum(axis=0)
     return (
         f"{summary['max']['DI']:.4f}",

@@ -42,7 +42,8 @@ class SpandrelInYade(Spandrel):
     def _hold(self, bodies):
         for body in bodies:
             state = self.wall.scene.states[body]
-            state.blockedDOFs, state.vel = "yzXZ", (state.vel[0], 0.0, 0.0)
+            state.blockedDOFs = "yzXZ"
+            state.vel = (state.vel[0], 0.0, 0.0)
             self.wall.scene.follows[body, 1] = 0.0
 
     def _places(self):

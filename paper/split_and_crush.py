@@ -35,8 +35,11 @@ SPEED = ["--speed", 4e-3]
 def of_case(name, case, share):
     """The wall of a case; share: tensile strength of a brick over its normalised compressive
     strength."""
-    wall, does, test = load_wall(name), CASES[case], of_test(SPECIMENS[name])
-    tension, pressure = 1e6 * float(test["fb_norm_perp_MPa"]) * share, 1e6 * float(test["fm_c_MPa"])
+    wall = load_wall(name)
+    does = CASES[case]
+    test = of_test(SPECIMENS[name])
+    tension = 1e6 * float(test["fb_norm_perp_MPa"]) * share
+    pressure = 1e6 * float(test["fm_c_MPa"])
     joint = replace(
         wall.joint,
         **softening_energies(wall.joint.tensile_strength),
@@ -67,11 +70,9 @@ HEADS = (
 
 def row(history, name, case):
     """One wall in one case beside its test."""
-    found, shares, measured = (
-        summarise(history),
-        mode_shares(history),
-        np.mean(read_test(SPECIMENS[name]).peak_force_n),
-    )
+    found = summarise(history)
+    shares = mode_shares(history)
+    measured = np.mean(read_test(SPECIMENS[name]).peak_force_n)
     force, drift, peak, left = peak_and_fall(history)
     error = found["energy_error_fraction"]
     print_row(

@@ -20,7 +20,10 @@ from paper.criteria import AMPLITUDES_G, CLAIMS, SCALES, Claim
 from paper.evidence import MODELS, Evidence, Fell, NotThere, comparable, gather, load_runs
 from paper.margins import EDGE, above, at_least, at_most, within
 
-HOLDS, DIFFERS, UNJUDGED, IN_PART = "holds", "differs", "cannot be judged", "in part"
+HOLDS = "holds"
+DIFFERS = "differs"
+UNJUDGED = "cannot be judged"
+IN_PART = "in part"
 SOLVERS = ("yade", "reference")
 RECORD_NAMES = {"zeerijp": "BGAR_HGE", "huizinge": "MID1_N_synthetic"}
 """The shipped records; the second is synthetic."""
@@ -58,7 +61,8 @@ def judge(folder):
 
     Raises InputError where there is no table of a study.
     """
-    runs, records = load_runs(folder), shipped_records()
+    runs = load_runs(folder)
+    records = shipped_records()
     of = {model: comparable(runs, changes) for model, changes in MODELS.items()}
     of = {
         (solver, model): mine
@@ -107,9 +111,11 @@ def _finding(claim, solver, evidence, model=""):
         value, margin = JUDGES[claim.id](evidence)
         verdict = HOLDS if margin >= 0 else DIFFERS
     except Fell as fell:
-        value, verdict = str(fell), DIFFERS
+        value = str(fell)
+        verdict = DIFFERS
     except NotThere as missing:
-        value, verdict = str(missing), UNJUDGED
+        value = str(missing)
+        verdict = UNJUDGED
     return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict, margin, model)
 
 
@@ -219,7 +225,9 @@ def _first_is_not_exceeded(cycles):
 
 def _asymmetric_is_similar(evidence):
     column = evidence.column("max", "DI")
-    pairs, margins, apart = [], [math.inf], []
+    pairs = []
+    margins = [math.inf]
+    apart = []
     for period in criteria.PERIODS_S:
         symmetric, asymmetric = (
             evidence.harmonic(wall, period) for wall in ("symmetric", "asymmetric")
@@ -272,7 +280,8 @@ HIGHER_G = AMPLITUDES_G[2:]
 
 
 def _substantially_higher(evidence):
-    column, ratios = evidence.column("max", "DI"), []
+    column = evidence.column("max", "DI")
+    ratios = []
     for amplitude in HIGHER_G:
         [at_resonance] = evidence.harmonic_at("symmetric", 0.2, [amplitude])
         evidence.harmonic_at("symmetric", 0.33, [amplitude])
@@ -414,10 +423,8 @@ def _squat(column, bounds, unit, name, find):
 
     def judged(evidence):
         value = find(evidence, "squat").value(column)
-        low, high = (
-            min(bounds) * (1 - criteria.PRINTED_TOLERANCE),
-            max(bounds) * (1 + criteria.PRINTED_TOLERANCE),
-        )
+        low = min(bounds) * (1 - criteria.PRINTED_TOLERANCE)
+        high = max(bounds) * (1 + criteria.PRINTED_TOLERANCE)
         return f"{value / unit:.1f} {name}", min(at_least(value, low), at_most(value, high))
 
     return judged

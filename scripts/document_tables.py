@@ -98,7 +98,8 @@ def tables_in(text):
     >>> tables_in("words\n| a | b |\n| --- | --- |\n| 1 | 2 |\n| | 3 |\n| 4 | |")
     [[['a', 'b'], ['1', '2'], ['1', '3'], ['4', '']]]
     """
-    tables, previous = [], False
+    tables = []
+    previous = False
     for line in text.splitlines():
         match = _ROW.match(line.strip())
         if match:

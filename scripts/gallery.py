@@ -193,10 +193,8 @@ def main():
     PICTURES.mkdir(exist_ok=True)
     for name in asked.names or GALLERY:
         entry = GALLERY[name]
-        history, other = (
-            run(name, asked.runs),
-            (run(entry.other, asked.runs) if entry.other else None),
-        )
+        history = run(name, asked.runs)
+        other = run(entry.other, asked.runs) if entry.other else None
         figure = picture(
             history,
             partial(entry.beside, history=history, other=other),

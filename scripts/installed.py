@@ -95,7 +95,8 @@ def main():
 def works(wheel, version, kind):
     """Try the wheel on a Python with the oldest or the newest packages and print the result; False
     where it failed."""
-    python, began = find_python(version), time.monotonic()
+    python = find_python(version)
+    began = time.monotonic()
     if python is None:
         print(
             f"Python {version}, {kind}: skipped, there is no Python {version} on this machine",
@@ -163,7 +164,8 @@ def try_wheel(wheel, python, packages):
     """Install the wheel into an empty environment and use it; returns the versions that were
     there."""
     with tempfile.TemporaryDirectory() as folder:
-        inside, elsewhere = Path(folder) / "environment", Path(folder) / "elsewhere"
+        inside = Path(folder) / "environment"
+        elsewhere = Path(folder) / "elsewhere"
         elsewhere.mkdir()
         (elsewhere / "pier.py").write_text(WALL)
         run(python, "-m", "venv", inside, cwd=folder)

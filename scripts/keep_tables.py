@@ -29,7 +29,8 @@ CYCLES = [f"max_{slip}DI" for slip in CRITERIA.values()]
 def keep(results, study, folder, some=False):
     """Writes the tables of the results into the folder, the second where there are cycles; returns
     their paths."""
-    points, paths = read_words(results / "tables" / "points.csv"), []
+    points = read_words(results / "tables" / "points.csv")
+    paths = []
     for name, new in (("points", points), ("cycles", cycles_of(results))):
         path = folder / f"{study}_{name}.csv"
         table = replaced(read_words(path), new) if some and path.is_file() else new
@@ -71,7 +72,8 @@ def replaced(old, new):
 
 def cycles_of(results):
     """Columns point, solver, kind and CYCLES, a row a cycle."""
-    runs, found = load_runs(results), []
+    runs = load_runs(results)
+    found = []
     runs = pd.concat([comparable(runs, changes) for changes in MODELS.values()])
     for (point, solver), rows in runs[runs["motion_period_s"].notna()].groupby(KEY, sort=False):
         try:

@@ -33,7 +33,9 @@ DPI = 75
 def run_cells(cells, folder):
     """The cells with their outputs, run from the first to the last in a folder; a list of new
     cells."""
-    names, done, count = {"__name__": "__main__"}, [], 0
+    names = {"__name__": "__main__"}
+    done = []
+    count = 0
     with chdir(folder):
         for cell in cells:
             if cell["cell_type"] == "code":
@@ -51,7 +53,9 @@ def run_cells(cells, folder):
 def outputs_of(source, names, count=1):
     """What a cell shows, a list of outputs of nbformat 4; count: number of the cell among those
     that ran."""
-    body, printed, value = ast.parse(source).body, io.StringIO(), None
+    body = ast.parse(source).body
+    printed = io.StringIO()
+    value = None
     last = body.pop() if body and isinstance(body[-1], ast.Expr) else None
     with redirect_stdout(printed):
         exec(compile(ast.Module(body, []), "<cell>", "exec"), names)

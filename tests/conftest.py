@@ -394,7 +394,8 @@ def total_energy(solver):
 
 def rigid_turn(bodies, turn):
     """Displacements (n_bodies, 3) of a rotation about the origin."""
-    cos, sin = np.cos(turn), np.sin(turn)
+    cos = np.cos(turn)
+    sin = np.sin(turn)
     return np.column_stack(
         [
             cos * bodies.x - sin * bodies.z - bodies.x,
@@ -413,7 +414,9 @@ def typed(words, lines, cwd, timeout=300):
         os.environ.update(TERM="dumb", COLUMNS="200")
         os.environ.pop("DISPLAY", None)
         os.execvp(words[0], [str(word) for word in words])
-    shown, waiting, deadline = b"", list(enumerate(lines, start=1)), time.monotonic() + timeout
+    shown = b""
+    waiting = list(enumerate(lines, start=1))
+    deadline = time.monotonic() + timeout
     while True:
         if not select.select([terminal], [], [], max(deadline - time.monotonic(), 0))[0]:
             os.kill(child, signal.SIGKILL)

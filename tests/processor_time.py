@@ -43,7 +43,8 @@ def pytest_runtest_logreport(report):
 
 
 def pytest_terminal_summary(terminalreporter):
-    by_file, by_folder = Counter(), Counter()
+    by_file = Counter()
+    by_folder = Counter()
     for test, seconds in _by_test.items():
         path = test.partition("::")[0]
         by_file[path] += seconds

@@ -26,18 +26,24 @@ AT_REST = 1e-6
 """Largest displacement within `WINDOW_S` of a wall at rest, in heights of a course."""
 RUNS_AWAY = 0.05
 """Displacement since the level was reached at which a wall has run away, in heights of a course."""
-WINDOW_S, LONGEST_S = 0.5, 60.0
+WINDOW_S = 0.5
+LONGEST_S = 60.0
 GROWING = 4
 """So many windows in a row, each with no less displacement than the one before, and the wall runs
 away:
 just above its multiplier a wall of many blocks collapses slowly, held back by the damping of its
 rattling."""
 
-LOADED, LEVELS = 0.98, (1.02, 1.05, 1.08)  # parts of the multiplier that `falls_of` begins at
-REACH_M, FALL_S, SAMPLE_S = 0.02, 1.6, 5e-3
+# parts of the multiplier that `falls_of` begins at
+LOADED = 0.98
+LEVELS = (1.02, 1.05, 1.08)
+REACH_M = 0.02
+FALL_S = 1.6
+SAMPLE_S = 5e-3
 """How far blocks move in a fall, how long it lasts at most, and how often it is sampled."""
 
-DAMPING, BETA = 0.3, 0.3
+DAMPING = 0.3
+BETA = 0.3
 """Cundall's damping [-], and stiffness-proportional damping in time steps.  Cundall's alone takes
 its share of the rattling of the contacts, always against the motion: a wall that ought to fall may
 creep for minutes.  Both together at 0.7 and 0.3 are no longer stable at `STEP_FACTOR`."""
@@ -66,7 +72,9 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
     raised and held.
     """
     wall = settled_wall(layout, damping)
-    stable, unstable, motion = 0.0, None, None
+    stable = 0.0
+    unstable = None
+    motion = None
     while unstable is None or unstable - stable > tolerance * highest:
         level = highest if unstable is None else (stable + unstable) / 2
         before = [array.copy() for array in wall.system]
@@ -78,7 +86,8 @@ def collapse_multiplier(layout, highest, *, tolerance=1e-3, rate_per_s=0.2, damp
                     f"the wall is stable at {highest:g}; expected a level at which it collapses"
                 )
         else:
-            unstable, motion = level, moved
+            unstable = level
+            motion = moved
             for array, old in zip(wall.system, before):
                 array[:] = old
     return Bracket(stable, unstable, motion)
@@ -109,10 +118,12 @@ def raise_to(wall, start, level, rate_per_s):
 def falls_of(layout, near):
     """Falls as of `find_by_falls` without damping, from rest at LOADED times `near`, at LEVELS
     times it."""
-    wall, weight = settled_wall(layout), layout.bodies.mass / layout.bodies.mass.sum()
+    wall = settled_wall(layout)
+    weight = layout.bodies.mass / layout.bodies.mass.sum()
     raise_to(wall, 0.0, LOADED * near, 0.2)
     wall.local_damping = 0.0
-    rest, found = [array.copy() for array in wall.system], []
+    rest = [array.copy() for array in wall.system]
+    found = []
     steps = round(SAMPLE_S / wall.time_step)
     for level in near * np.array(LEVELS):
         for array, old in zip(wall.system, rest):
@@ -138,7 +149,8 @@ def find_by_falls(falls):
     rows = []
     for number, (level, time_s, x) in enumerate(falls):
         own = np.zeros((len(time_s), 2 * len(falls)))
-        own[:, 2 * number], own[:, 2 * number + 1] = 1.0, time_s
+        own[:, 2 * number] = 1.0
+        own[:, 2 * number + 1] = time_s
         twice = cumulative_trapezoid(cumulative_trapezoid(x, time_s, initial=0), time_s, initial=0)
         square = np.square(time_s) / 2
         rows.append(np.column_stack([level * square, -square, twice, own]))
@@ -151,7 +163,9 @@ def _hold(wall, level=0.0):
     """Hold the multiplier: None at rest, the displacement of a wall that runs away."""
     course = wall.layout.wall.brick.height
     steps = round(WINDOW_S / wall.time_step)
-    begin, before, growing = wall.displacement, np.inf, 0
+    begin = wall.displacement
+    before = np.inf
+    growing = 0
     for _ in range(round(LONGEST_S / WINDOW_S)):
         last = wall.displacement
         wall.start(_base(np.full(steps, level)))

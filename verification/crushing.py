@@ -28,19 +28,24 @@ from verification.block import settle, solver_of
 from verification.problem import SOLVERS, Problem, of_both
 from verification.softening import between, drive, drive_in_yade, pair
 
-BLOCK, TOE = Brick(length=0.4, height=0.8, thickness=0.1), 0.25
+BLOCK = Brick(length=0.4, height=0.8, thickness=0.1)
+TOE = 0.25
 """A block, and the share of its length that its toe takes."""
-PUSH_M_S, PUSHED_M, PARTS = 4e-4, 2e-4, 20
+PUSH_M_S = 4e-4
+PUSHED_M = 2e-4
+PARTS = 20
 """Largest speed of its centre, which grows in parts from nothing, and how far it is pushed: 0.2 mm
 shift the load by 0.13 %."""
 STRENGTH = 2e6
 """Compressive strength of the joint that is pressed again and again [Pa]."""
 PRESSED = (2.0, 3.0, 4.0)
 """How far, over the depth at which it crushes, the joint is pressed each time."""
-DRY, OPENED = "without a bond, to 1.2 mm", 10.0
+DRY = "without a bond, to 1.2 mm"
+OPENED = 10.0
 """The form whose bond is broken first, and how far it is opened for that and pressed then, over the
 others."""
-SOFTENS, ENERGY = "softening in compression, without a bond", 1000.0
+SOFTENS = "softening in compression, without a bond"
+ENERGY = 1000.0
 """The form whose crushing has a fracture energy [J/m2]."""
 _BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
 FORMS = {
@@ -100,7 +105,8 @@ def column_force(layout):
 def column():
     """The largest force under the block while it has twice the weight that its joint bears [N]."""
     layout = block()
-    wall, forces = solver_of(layout, 0.5), []
+    wall = solver_of(layout, 0.5)
+    forces = []
     wall.start(np.zeros((0, 2)), np.array([2 * column_force(layout) / layout.bodies.mass[0]]))
     for _ in range(200):
         wall.run(1)
@@ -135,7 +141,8 @@ def crushed_and_slid(pressing=4000, sliding=400):
     pressure before crushing, too high by k_n times what the joint closes in the step.
     """
     depth = STRENGTH / _stiffness()
-    corners, steps = [(0.0, 0.0), (depth, 0.0)], [sliding]
+    corners = [(0.0, 0.0), (depth, 0.0)]
+    steps = [sliding]
     for pressed in (5 * depth, 10 * depth, 20 * depth):
         corners += [
             (-pressed, 0.0),

@@ -79,9 +79,12 @@ class Result:
     def tipping(self):
         """Multiplier at which what falls in the solver tips about the wall's toe by its weight
         alone, None where it does not fall as one body about it."""
-        bodies, motion = self.layout.bodies, self.solver.motion
+        bodies = self.layout.bodies
+        motion = self.solver.motion
         falls = np.abs(motion[:, 2]) > 0.5 * np.abs(motion[:, 2]).max()
-        x, z, mass = bodies.x[falls] - self.layout.wall.length, bodies.z[falls], bodies.mass[falls]
+        x = bodies.x[falls] - self.layout.wall.length
+        z = bodies.z[falls]
+        mass = bodies.mass[falls]
         turn = motion[falls, 2].mean() * np.column_stack([-z, x])
         if np.abs(motion[falls, :2] - turn).max() > 0.01 * np.abs(turn).max():
             return None
@@ -217,7 +220,8 @@ MOVES = 0.02  # of the largest displacement: bodies that move more are drawn dar
 def save_mechanisms(name, result, folder):
     """Write FOLDER/mechanism_NAME.png of a Result: the mechanism of limit analysis beside that of
     the solver, both magnified, over the wall's outline at rest; its path."""
-    layout, wall = result.layout, result.layout.wall
+    layout = result.layout
+    wall = result.layout.wall
     height = min(80.0, 8 + 45 * wall.built_height / wall.length) / 25.4
     figure = Figure(figsize=(COLUMN_WIDTH, height), layout="constrained")
     outline = corners(layout, np.zeros_like(result.bound.motion))

@@ -36,10 +36,12 @@ from verification.problem import of_both
 UNBREAKABLE = Joint(tensile_strength=1e15, cohesion=1e15)
 STACK = Wall("stack", 0.1125, 10 * 0.075, joint=UNBREAKABLE, precompression=0.0)
 STACK_S = 0.25
-WALL_LENGTH, WALL_HEIGHT = 0.9, 4.5
+WALL_LENGTH = 0.9
+WALL_HEIGHT = 4.5
 """Slender, so that the clamped end counts for little."""
 FINER = (1, 2, 4)
-_LOAD_N, _MOST_MOVES = 1.0, 20
+_LOAD_N = 1.0
+_MOST_MOVES = 20
 
 
 def problems():
@@ -83,8 +85,10 @@ def problems():
 
 def stack_period(layout):
     """First period [s] of a stack by its own dense matrices, without gravity."""
-    bodies, contacts = layout.bodies, layout.contacts
-    n, height = len(bodies), float(bodies.height[0])
+    bodies = layout.bodies
+    contacts = layout.contacts
+    n = len(bodies)
+    height = float(bodies.height[0])
     stiffness = np.zeros((2 * n, 2 * n))  # u, theta of every brick
     for upper in range(n):
         mine = contacts.second == upper
@@ -94,7 +98,8 @@ def stack_period(layout):
         turning = float((contacts.normal_stiffness[mine] * area * arm**2).sum())
         # Rotation from x towards z: the bottom of a brick moves by +theta h/2, its top by -theta
         # h/2.
-        slide, turn = np.zeros(2 * n), np.zeros(2 * n)
+        slide = np.zeros(2 * n)
+        turn = np.zeros(2 * n)
         slide[2 * upper : 2 * upper + 2] = 1.0, height / 2
         turn[2 * upper + 1] = 1.0
         if upper > 0:
@@ -153,11 +158,13 @@ def beam_stiffness():
     wall = cantilever(1).wall
     brick = wall.brick
     modulus, shear = running_bond(brick, wall.joint)
-    inertia, area = brick.thickness * WALL_LENGTH**3 / 12, brick.thickness * WALL_LENGTH
+    inertia = brick.thickness * WALL_LENGTH**3 / 12
+    area = brick.thickness * WALL_LENGTH
     beyond = float(cantilever(1).bodies.z[-1]) - WALL_HEIGHT
     # A force beyond the end: the end's displacement and rotation by force and moment, and the rigid
     # arm.
-    length, bending = WALL_HEIGHT, modulus * inertia
+    length = WALL_HEIGHT
+    bending = modulus * inertia
     flexibility = (length**3 / 3 + length**2 * beyond + length * beyond**2) / bending + length / (
         5 / 6 * shear * area
     )
@@ -194,7 +201,8 @@ def balance(layout, forces_after):
     solve = splu(stiffness_matrix(layout).tocsc()).solve
     load = np.zeros((len(layout.bodies), 3))
     load[-1, 0] = _LOAD_N
-    total, rest = np.zeros_like(load), load
+    total = np.zeros_like(load)
+    rest = load
     for _ in range(_MOST_MOVES):
         move = solve(rest.ravel()).reshape(-1, 3)
         total += move

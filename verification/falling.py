@@ -28,8 +28,10 @@ def problems():
     """Free fall for 0.1 s; drop from 1 mm: largest contact force, rebound height, time between two
     apexes."""
     layout = one_block()
-    mass, stiffness = float(layout.bodies.mass[0]), _stiffness(layout)
-    omega, speed = math.sqrt(stiffness / mass), math.sqrt(2 * GRAVITY * HEIGHT)
+    mass = float(layout.bodies.mass[0])
+    stiffness = _stiffness(layout)
+    omega = math.sqrt(stiffness / mass)
+    speed = math.sqrt(2 * GRAVITY * HEIGHT)
     sag = GRAVITY / omega**2
     force = stiffness * (sag + math.hypot(sag, speed / omega))
     contact = 2 / omega * (math.pi - math.atan(speed * omega / GRAVITY))
@@ -75,7 +77,8 @@ def _stiffness(layout):
 def _fall():
     wall = solver_of(one_block(), 0.5)
     wall.displacement = (0.0, 10.0, 0.0)
-    start, steps = wall.displacement[0, 1], round(FALL_S / wall.time_step)
+    start = wall.displacement[0, 1]
+    steps = round(FALL_S / wall.time_step)
     # half a step ago, so that it is at rest now
     wall.velocity = (0.0, GRAVITY * wall.time_step / 2, 0.0)
     wall.run(steps)
@@ -90,7 +93,8 @@ def _bounce():
     wall.displacement = (0.0, HEIGHT, 0.0)
     wall.velocity = (0.0, GRAVITY * wall.time_step / 2, 0.0)
     steps = round(2.2 * math.sqrt(2 * HEIGHT / GRAVITY) / wall.time_step)
-    track, force = np.empty(steps), 0.0
+    track = np.empty(steps)
+    force = 0.0
     for k in range(steps):
         wall.run(1)
         track[k] = wall.displacement[0, 1]

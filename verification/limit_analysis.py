@@ -28,13 +28,17 @@ from damage.errors import InputError
 from damage.units import GRAVITY
 from damage.wall.layout import contact_normals
 
-_INFEASIBLE, _UNBOUNDED = 2, 3  # of scipy.optimize.linprog
+# of scipy.optimize.linprog
+_INFEASIBLE = 2
+_UNBOUNDED = 3
 
 
 def kinematic_matrix(layout, directions):
     """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
-    rows, contacts = layout.kinematic_rows(directions), layout.contacts
-    size, ends = rows.shape[2], np.stack([contacts.first, contacts.second])
+    rows = layout.kinematic_rows(directions)
+    contacts = layout.contacts
+    size = rows.shape[2]
+    ends = np.stack([contacts.first, contacts.second])
     side, contact, coordinate = np.nonzero(rows)
     return coo_matrix(
         (rows[side, contact, coordinate], (contact, size * ends[side, contact] + coordinate)),
@@ -123,7 +127,8 @@ def flow(layout, motion):
 def _program(layout, friction, dead, load, held, crushing, unit):
     """Arguments of linprog; unknown are N, T of every contact, the multiplier, the moments on held
     bodies."""
-    contacts, n = layout.contacts, len(layout.contacts)
+    contacts = layout.contacts
+    n = len(layout.contacts)
     moments = csr_matrix(
         (np.ones(len(held)), (3 * held + 2, np.arange(len(held)))), shape=(dead.size, len(held))
     )

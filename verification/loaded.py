@@ -67,7 +67,8 @@ def loaded_period(layout, gravity=GRAVITY):
 
 def _derivative(wall, body, component):
     """Of minus all bodies' forces by one displacement of one body (3 n_bodies,)."""
-    rest, forces = wall.displacement, []
+    rest = wall.displacement
+    forces = []
     for sign in (1, -1):
         moved = rest.copy()
         moved[body, component] += sign * _MOVE

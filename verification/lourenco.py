@@ -34,7 +34,10 @@ from verification.limit_analysis import collapse_load, top_load
 DATA = Path(__file__).with_name("data") / "lourenco2005"
 LOADS_N = {"SW.30": 30e3, "SW.200": 200e3}
 FRICTION = 0.62
-LENGTH, HEIGHT, THICKNESS = 1.0, 1.0, 0.2  # [m]
+# [m]
+LENGTH = 1.0
+HEIGHT = 1.0
+THICKNESS = 0.2
 STONE = Brick(
     length=0.2,
     height=0.1,
@@ -53,7 +56,9 @@ CRUSHING = 57.1e6
 SPLITTING = 3e6
 """Tensile strength of the stone [Pa], assumed: a twentieth of the compressive one, at the low end
 of what is usual for sandstone; docs/validation/dry-joints.md varies it."""
-PUSH_M_S, FARTHEST_M, AVERAGED_M = 2e-3, 0.025, 0.25e-3
+PUSH_M_S = 2e-3
+FARTHEST_M = 0.025
+AVERAGED_M = 0.25e-3
 FAR_M = 0.02
 """Displacement at which a force after the peak is read."""
 SPLITTING_PUSH_M_S = 5e-3
@@ -182,12 +187,15 @@ def push(layout, *, speed=PUSH_M_S, farthest=FARTHEST_M, top=None):
     rattle.
     """
     wall = settled_wall(layout)
-    caps, steps = layout.pushed_bodies, max(1, round(1e-3 / wall.time_step))
+    caps = layout.pushed_bodies
+    steps = max(1, round(1e-3 / wall.time_step))
     averaged = max(1, round(AVERAGED_M / speed / (steps * wall.time_step)))
     wall.start(np.zeros((0, 2)))
     wall.hold(caps, top is None, top or 0.0)
     wall.push(speed)
-    start, rows, samples = wall.displacement[caps, 0].mean(), [(0.0, 0.0, 0.0)], []
+    start = wall.displacement[caps, 0].mean()
+    rows = [(0.0, 0.0, 0.0)]
+    samples = []
     while rows[-1][0] < farthest:
         wall.run(steps)
         samples.append((wall.displacement[caps, 0].mean() - start, wall.push_force()))
@@ -206,11 +214,13 @@ def stone_tension(wall):
     """
     bodies = wall.layout.bodies
     stones = np.flatnonzero((bodies.course >= 0) & (bodies.length > STONE.length - 1e-6))
-    area, modulus = STONE.height * THICKNESS, STONE.height**2 * THICKNESS / 6
+    area = STONE.height * THICKNESS
+    modulus = STONE.height**2 * THICKNESS / 6
     push, shear, moment = (
         np.array([_on_left_half(wall, stone) for stone in stones]).reshape(-1, 3).T
     )
-    along, across = -push / area, 1.5 * shear / area
+    along = -push / area
+    across = 1.5 * shear / area
     return np.maximum(along + np.abs(moment) / modulus, along / 2 + np.hypot(along / 2, across))
 
 
@@ -218,7 +228,10 @@ def _on_left_half(wall, stone):
     """Forces along x and z [N] and moment about the stone's centre [N m] of contacts and weight on
     its left half."""
     layout = wall.layout
-    bodies, contacts, cells, stresses = layout.bodies, layout.contacts, layout.cells, wall.stresses
+    bodies = layout.bodies
+    contacts = layout.contacts
+    cells = layout.cells
+    stresses = wall.stresses
     half = GRAVITY * bodies.mass[stone] / 2
     total = np.array([0.0, -half, half * bodies.length[stone] / 4])
     for side, sign in (("first", 1.0), ("second", -1.0)):
@@ -227,7 +240,8 @@ def _on_left_half(wall, stone):
         mine = mine[(cells.left[cell] + cells.right[cell]) / 2 < bodies.x[stone]]
         normal, shear = (sign * stress[mine] * contacts.area[mine] for stress in stresses)
         head = contacts.kind[mine] == HEAD
-        fx, fz = np.where(head, normal, shear), np.where(head, shear, normal)
+        fx = np.where(head, normal, shear)
+        fz = np.where(head, shear, normal)
         moment = (contacts.x[mine] - bodies.x[stone]) * fz - (
             contacts.z[mine] - bodies.z[stone]
         ) * fx
@@ -366,7 +380,8 @@ def vary_top(stiffnesses):
     for stiffness in stiffnesses:
         for name in LOADS_N:
             done = push(lay(name), top=stiffness if math.isfinite(stiffness) else None)
-            far, tested = far_force(done.displacement, done.force), measured_far(name)
+            far = far_force(done.displacement, done.force)
+            tested = measured_far(name)
             print(
                 f"| {stiffness:g} | {name} | {done.peak / 1e3:.1f} |"
                 f" {measured_peak(name) / 1e3:.1f} | {_ratio(done.peak, name)} | {far / 1e3:.1f} |"

@@ -33,14 +33,16 @@ from verification.problem import of_both
 
 SHARES = (0.2, 0.5, 0.8)
 # [s], [rad]; the joint's own compression turns a block that stands by 3e-8
-RAMP_S, LIFTED = 0.05, 1e-7
+RAMP_S = 0.05
+LIFTED = 1e-7
 
 
 def problems():
     """Acceleration at which the block lifts off; quarter periods from three tilts."""
     layout = layout_of()
     bodies = layout.bodies
-    half_width, half_height = foot(layout), float(bodies.z[0])
+    half_width = foot(layout)
+    half_height = float(bodies.z[0])
     slenderness = math.atan(half_width / half_height)
     radius = math.hypot(half_width, half_height)
     rate = math.sqrt(
@@ -150,8 +152,11 @@ def layout_of(contacts="corners", stiffness=1e13, courses=1):
 def onset(contacts="corners", courses=1, stand=None):
     """Largest steady base acceleration [g] that the block stands, by bisection; stand: as
     `stands`."""
-    low, high = 0.5, 2.0  # of b/H
-    layout, stand = layout_of(contacts, courses=courses), stand or stands
+    # of b/H
+    low = 0.5
+    high = 2.0
+    layout = layout_of(contacts, courses=courses)
+    stand = stand or stands
     expected = foot(layout) / float(layout.bodies.z.mean())
     while high - low > 1e-3:
         middle = (low + high) / 2
@@ -175,8 +180,10 @@ def stands(layout, acceleration_g):
 def tilted(layout, tilt):
     """Displacement (x, z) of the block's middle when it is tilted clockwise about its right corner,
     and how far that corner sinks into its joint under the block's weight [m]."""
-    half_width, half_height = foot(layout), float(layout.bodies.z[0])
-    radius, angle = math.hypot(half_width, half_height), math.atan2(half_height, -half_width) - tilt
+    half_width = foot(layout)
+    half_height = float(layout.bodies.z[0])
+    radius = math.hypot(half_width, half_height)
+    angle = math.atan2(half_height, -half_width) - tilt
     sag = (
         layout.bodies.mass[0]
         * GRAVITY
@@ -223,7 +230,8 @@ def rock(share, contacts="corners", joint=DRY):
     wall = solver_of(one_block(SLENDER, joint, contacts=contacts, cells=1), 0.5)
     tilt = share * math.atan(foot(wall.layout) / float(wall.layout.bodies.z[0]))
     tilt_it(wall, tilt)
-    start, before = energy_of(wall), -tilt
+    start = energy_of(wall)
+    before = -tilt
     while wall.displacement[0, 2] < 0 or wall.displacement[0, 2] > before:
         before = wall.displacement[0, 2]
         wall.run(20)
@@ -233,7 +241,9 @@ def rock(share, contacts="corners", joint=DRY):
 def energy_of(wall):
     """Kinetic energy, height and strain of the joint [J] above those of the block that stands
     without load."""
-    bodies, contacts, (sigma, tau) = wall.layout.bodies, wall.layout.contacts, wall.stresses
+    bodies = wall.layout.bodies
+    contacts = wall.layout.contacts
+    (sigma, tau) = wall.stresses
     velocity = wall.velocity[0]
     moved = (
         0.5 * bodies.mass[0] * (velocity[0] ** 2 + velocity[1] ** 2)
@@ -252,7 +262,8 @@ def main():
     print("| --- " * 6 + "|")
     for contacts in ("interior", "corners"):
         layout = one_block(SLENDER, contacts=contacts, cells=1)
-        half_width, half_height = foot(layout), float(layout.bodies.z[0])
+        half_width = foot(layout)
+        half_height = float(layout.bodies.z[0])
         inertia = layout.bodies.inertia[0] / layout.bodies.mass[0] + half_width**2 + half_height**2
         for joint in (DRY, STICKY):
             for share in SHARES:

@@ -25,8 +25,11 @@ from damage.units import GRAVITY
 from verification.block import DRY, one_block, settle, solver_of
 from verification.problem import of_both
 
-STEEP, FLAT, GENTLE = math.radians(40), math.radians(31.5), math.radians(20)
-SLIDE_S, FAR_S = 0.015, 0.11
+STEEP = math.radians(40)
+FLAT = math.radians(31.5)
+GENTLE = math.radians(20)
+SLIDE_S = 0.015
+FAR_S = 0.11
 SHAKEN = Harmonic(period_s=0.02, amplitude_g=0.5, cycles=3)
 REST_S = 0.01
 BETA_S = 1e-5
@@ -91,7 +94,8 @@ def problems():
 
 def newmark_slip(motion, angle, friction):
     """Way [m] downhill of a rigid block on an incline that a Harmonic shakes, until it rests."""
-    amplitude, omega = motion.amplitude_g * GRAVITY, 2 * math.pi / motion.period_s
+    amplitude = motion.amplitude_g * GRAVITY
+    omega = 2 * math.pi / motion.period_s
     limit = GRAVITY * (math.cos(angle) * friction - math.sin(angle))
     start = (math.pi + math.asin(limit / amplitude)) / omega
 
@@ -157,5 +161,7 @@ def _resting(angle, beta):
     angles = angle * np.minimum(np.arange(2 * steps) / steps, 1.0)
     wall.start(np.column_stack([-GRAVITY * np.sin(angles), 0 * angles]), GRAVITY * np.cos(angles))
     wall.run(2 * steps)
-    wall.local_damping, wall.beta, wall.velocity = 0.0, beta, 0.0
+    wall.local_damping = 0.0
+    wall.beta = beta
+    wall.velocity = 0.0
     return wall

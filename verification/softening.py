@@ -35,7 +35,8 @@ JOINT = Joint(
 )
 """COMP1_3's joints (walls/squat_tested.py) with fracture energies."""
 PRESSURES_MPA = (0.0, 0.1, 0.3, 1.0)
-FINE, COARSE = 1500, 6000
+FINE = 1500
+COARSE = 6000
 """Steps to the first corner, the strength and a half, and from each to the next."""
 COARSE_IN_YADE = 1500
 """The same in YADE, for problems."""
@@ -66,7 +67,8 @@ def _in_joint(contacts):
 def paths(fine=FINE, coarse=COARSE):
     """{name: (n, 2) opening and shear displacement [m]}, with so many steps to the first corner and
     to each other."""
-    layout, joint = pair(), JOINT
+    layout = pair()
+    joint = JOINT
 
     def path(*corners):
         parts = [
@@ -79,11 +81,13 @@ def paths(fine=FINE, coarse=COARSE):
         values[between(layout)]
         for values in (layout.contacts.normal_stiffness, layout.contacts.shear_stiffness)
     )
-    apart, out = 4e-4, 3e-3
+    apart = 4e-4
+    out = 3e-3
     held = -0.3e6 / kn
     found = {"tension": path((0, 0), (1.5 * joint.tensile_strength / kn, 0), (apart, 0))}
     for pressure in PRESSURES_MPA:
-        opening, peak = -1e6 * pressure / kn, (joint.cohesion + 1e6 * pressure * 0.42) / ks
+        opening = -1e6 * pressure / kn
+        peak = (joint.cohesion + 1e6 * pressure * 0.42) / ks
         found[f"shear at {pressure:g} MPa"] = path(
             (opening, 0), (opening, 1.5 * peak), (opening, out)
         )
@@ -123,7 +127,8 @@ class Driven:
     def __init__(self, path, stresses, energies):
         self.path = path
         self.normal_stress, self.shear_stress = stresses.T
-        moved, mean = np.diff(path, axis=0), (stresses[1:] + stresses[:-1]) / 2
+        moved = np.diff(path, axis=0)
+        mean = (stresses[1:] + stresses[:-1]) / 2
         self.work = np.concatenate([[0.0], np.cumsum(np.sum(moved * mean, axis=1))])
         self.friction, self.fracture, self.stored = energies
         self.at_start = 0.5 * self.normal_stress[0] * path[0, 0]
@@ -160,7 +165,8 @@ def drive(path, **changes):
 def drive_in_yade(paths, **changes):
     """{name: Driven} of the joint along paths in YADE; changes: of JOINT."""
     with tempfile.TemporaryDirectory() as folder:
-        given, found = Path(folder) / "paths.npz", Path(folder) / "found.npz"
+        given = Path(folder) / "paths.npz"
+        found = Path(folder) / "found.npz"
         np.savez(given, **paths)
         run_yade("verification/yade_paths.py", given, found, json.dumps(changes))
         with np.load(found) as results:

@@ -32,7 +32,9 @@ from verification.block import solver_of
 from verification.problem import of_both
 
 BRICK = Brick(tensile_strength=1e6)
-SHEARED, APART_M, STEPS = Brick(tensile_strength=1e6, fracture_energy=60.0), 5e-4, 4000
+SHEARED = Brick(tensile_strength=1e6, fracture_energy=60.0)
+APART_M = 5e-4
+STEPS = 4000
 """Brick in diagonal tension, how far its halves move, and in how many steps."""
 RAMP_S = 0.1
 """In which the load grows to twice what the brick bears."""
@@ -43,7 +45,8 @@ def beam():
     nothing."""
     wall = Wall("beam", BRICK.length, BRICK.height, brick=BRICK, precompression=1e4)
     layout = lay_out(wall, ModelOptions(top="beam"))
-    contacts, middle = layout.contacts, BRICK.length / 2
+    contacts = layout.contacts
+    middle = BRICK.length / 2
     outer = np.abs(contacts.x - middle) > BRICK.length / 4
     used = np.flatnonzero((contacts.kind == CUT) | (outer != (contacts.kind == CAP)))
     kept = replace(
@@ -79,7 +82,8 @@ def load():
     """Q + W at the brick's first break [N]."""
     layout = beam()
     wall = solver_of(layout, 0.5)
-    wall.local_damping, n = 0.7, round(RAMP_S / wall.time_step)
+    wall.local_damping = 0.7
+    n = round(RAMP_S / wall.time_step)
     field = ramp(layout, n)
     wall.start(np.zeros((0, 2)), field)
     while not wall.state.any() and wall.step < n:
@@ -113,7 +117,8 @@ def sheared(stress, what):
     """Of a brick sheared under a vertical stress [Pa] in the reference solver: 0 the largest shear
     force [N], 1 the energy dissipated [J]."""
     layout = on_ground()
-    wall, cut = ReferenceWall(layout, 1e-6), layout.contacts.kind == CUT
+    wall = ReferenceWall(layout, 1e-6)
+    cut = layout.contacts.kind == CUT
     forces = []
     for places in halves_moved(layout, stress):
         wall.system.place[:2, Z] = places

@@ -17,8 +17,10 @@ class Mesh:
     """
 
     def __init__(self, layout, n_x, n_z=1):
-        self.layout, self._n_z = layout, n_z
-        bodies, brick = layout.bodies, layout.wall.brick
+        self.layout = layout
+        self._n_z = n_z
+        bodies = layout.bodies
+        brick = layout.wall.brick
         self._n_x = [
             max(1, round(n_x * length / brick.length))
             for length in bodies.length[: layout.n_bricks]
@@ -33,7 +35,8 @@ class Mesh:
     def nodes(self, b):
         """Corners of the cells of brick b, row by row, then their middles: (n, 2) from its centre
         [m]."""
-        length, height = self.layout.bodies.length[b], self.layout.bodies.height[b]
+        length = self.layout.bodies.length[b]
+        height = self.layout.bodies.height[b]
         x, z = (
             np.linspace(-size / 2, size / 2, n + 1)
             for size, n in ((length, self._n_x[b]), (height, self._n_z))
@@ -46,9 +49,11 @@ class Mesh:
 
     def triangles(self, b):
         """Rows of `nodes` (n, 3), counter-clockwise."""
-        n_x, n_z = self._n_x[b], self._n_z
+        n_x = self._n_x[b]
+        n_z = self._n_z
         i, j = (of.ravel() for of in np.meshgrid(np.arange(n_x), np.arange(n_z)))
-        below, above = j * (n_x + 1) + i, (j + 1) * (n_x + 1) + i
+        below = j * (n_x + 1) + i
+        above = (j + 1) * (n_x + 1) + i
         around = np.array([below, below + 1, above + 1, above])
         middle = (n_x + 1) * (n_z + 1) + j * n_x + i
         return np.concatenate(
@@ -57,21 +62,27 @@ class Mesh:
 
     def matrices(self):
         """Stiffness (sparse) and lumped masses."""
-        wall, bodies = self.layout.wall, self.layout.bodies
+        wall = self.layout.wall
+        bodies = self.layout.bodies
         elasticity = elasticity_of(wall.brick)
-        mass, rows, columns, values = np.zeros(self.size), [], [], []
+        mass = np.zeros(self.size)
+        rows = []
+        columns = []
+        values = []
         for b in range(self.layout.n_bricks):
-            points, triangles = self.nodes(b), self.triangles(b)
+            points = self.nodes(b)
+            triangles = self.triangles(b)
             x, z = np.moveaxis(points[triangles], 2, 0)
             twice = (x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (
                 z[:, 1] - z[:, 0]
             )
-            dx, dz = (
-                (np.roll(z, -1, 1) - np.roll(z, -2, 1)) / twice[:, None],
-                (np.roll(x, -2, 1) - np.roll(x, -1, 1)) / twice[:, None],
-            )
+            dx = (np.roll(z, -1, 1) - np.roll(z, -2, 1)) / twice[:, None]
+            dz = (np.roll(x, -2, 1) - np.roll(x, -1, 1)) / twice[:, None]
             strain = np.zeros((len(triangles), 3, 6))
-            strain[:, 0, :3], strain[:, 1, 3:], strain[:, 2, :3], strain[:, 2, 3:] = dx, dz, dz, dx
+            strain[:, 0, :3] = dx
+            strain[:, 1, 3:] = dz
+            strain[:, 2, :3] = dz
+            strain[:, 2, 3:] = dx
             of = np.einsum(
                 "t,tsi,sr,trj->tij", twice / 2 * wall.brick.thickness, strain, elasticity, strain
             )
@@ -102,7 +113,8 @@ class Mesh:
     def _relative(self, along):
         """Sparse (n_contacts, size): displacement of the second to the first body along the normal
         or the tangent."""
-        contacts, entries = self.layout.contacts, []
+        contacts = self.layout.contacts
+        entries = []
         for body, sign in ((contacts.second, 1.0), (contacts.first, -1.0)):
             for k in np.flatnonzero(body >= 0):
                 axis = int(contacts.upright[k] == along)  # of the displacement: 0 x, 1 z
@@ -115,12 +127,14 @@ class Mesh:
     def _at(self, b, k, axis):
         """(coordinate, share) of the displacement along an axis of the point of body b at contact
         k."""
-        bodies, contacts = self.layout.bodies, self.layout.contacts
+        bodies = self.layout.bodies
+        contacts = self.layout.contacts
         place = contacts.x[k] - bodies.x[b], contacts.z[k] - bodies.z[b]
         if b >= self.layout.n_bricks:
             first = self._caps[b - self.layout.n_bricks]
             return [(first + axis, 1.0), (first + 2, -place[1] if axis == 0 else place[0])]
-        cell, share = [], []
+        cell = []
+        share = []
         for at, size, n in zip(
             place, (bodies.length[b], bodies.height[b]), (self._n_x[b], self._n_z)
         ):

@@ -20,8 +20,12 @@ import sys
 
 import numpy as np
 
-GRAVITY, DENSITY = 9.81, 2000.0  # the multiplier depends on neither
-STEP_S, RAMP_S, HOLD_S = 2e-3, 0.4, 1.6
+# the multiplier depends on neither
+GRAVITY = 9.81
+DENSITY = 2000.0
+STEP_S = 2e-3
+RAMP_S = 0.4
+HOLD_S = 1.6
 """At 1e-2 s blocks of LMGC90 creep by millimetres under loads that they carry."""
 NEAREST = 16  # bodies among which compas_cra seeks those in contact
 CORNERS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2

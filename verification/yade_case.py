@@ -37,10 +37,12 @@ class Case:
     def __init__(self, layout, factor):
         self.layout = layout
         self.model = build(layout, factor * natural_modes(layout, 1).critical_time_step_s)
-        self.scene, self.newton = SceneReader(self.model), self.model.newton
+        self.scene = SceneReader(self.model)
+        self.newton = self.model.newton
         self.crushing = Crushing(self.scene)
         self.newton.gravity = (0, 0, 0)
-        self.each, self.first = None, 0
+        self.each = None
+        self.first = 0
         builtins.verification_step = self.step
         O.engines = [
             *O.engines[:-1],
@@ -50,7 +52,8 @@ class Case:
 
     def run(self, steps, each=None):
         """Advance; each(k) is called in step k of these."""
-        self.each, self.first = each, O.iter
+        self.each = each
+        self.first = O.iter
         O.run(steps, True)
 
     def step(self):
@@ -77,7 +80,8 @@ class Case:
 
 def fall(seconds):
     case = Case(one_block(), 0.5)
-    state, steps = case.scene.states[0], round(seconds / O.dt)
+    state = case.scene.states[0]
+    steps = round(seconds / O.dt)
     state.pos += Vector3(0, 0, 10.0)
     state.vel = Vector3(0, 0, GRAVITY * O.dt / 2)
     case.field(0.0, GRAVITY)
@@ -92,7 +96,8 @@ def bounce(height, key):
     state.vel = Vector3(0, 0, GRAVITY * O.dt / 2)
     case.field(0.0, GRAVITY)
     steps = round(2.2 * math.sqrt(2 * height / GRAVITY) / O.dt)
-    track, forces = np.empty(steps), []
+    track = np.empty(steps)
+    forces = []
 
     def each(k):
         track[k] = state.pos[2] - case.scene.start[0, 1]
@@ -119,7 +124,8 @@ def _resting(angle):
 
 def incline(angle, seconds):
     case = _resting(sliding.FLAT)
-    steps, start = round(seconds / O.dt), case.place()[0]
+    steps = round(seconds / O.dt)
+    start = case.place()[0]
     case.field(*sliding.downhill(angle))
     case.run(steps)
     return (case.place()[0] - start) * (seconds / (steps * O.dt)) ** 2
@@ -127,7 +133,8 @@ def incline(angle, seconds):
 
 def shaken():
     case = _resting(sliding.GENTLE)
-    motion, start = sliding.SHAKEN, case.place()[0]
+    motion = sliding.SHAKEN
+    start = case.place()[0]
     steps = round((motion.duration_s + sliding.REST_S) / O.dt)
     along, gravity = sliding.downhill(sliding.GENTLE)
     base = motion.base_acceleration(np.arange(steps) * O.dt)[:, 0] + along
@@ -137,9 +144,11 @@ def shaken():
 
 def stack():
     layout = lay_out(elastic.STACK)
-    case, top = Case(layout, 0.3), layout.drift_bodies[0]
+    case = Case(layout, 0.3)
+    top = layout.drift_bodies[0]
     for state, (vx, vz, turn) in zip(case.scene.states, 1e-3 * natural_modes(layout, 1).shape[0]):
-        state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -turn, 0)
+        state.vel = Vector3(vx, 0, vz)
+        state.angVel = Vector3(0, -turn, 0)
     track = []
     case.run(
         round(elastic.STACK_S / O.dt),
@@ -187,7 +196,8 @@ def stands(layout, acceleration_g):
     case.newton.damping = 0.7
     case.field(0.0, GRAVITY)
     case.run(round(0.005 / O.dt))
-    steps, along = round(rocking.RAMP_S / O.dt), -acceleration_g * GRAVITY
+    steps = round(rocking.RAMP_S / O.dt)
+    along = -acceleration_g * GRAVITY
     case.run(steps, lambda k: case.field(along * k / steps, GRAVITY))
     case.field(along, GRAVITY)
     case.run(3 * steps)
@@ -198,7 +208,8 @@ def cantilever(finer):
     layout = elastic.cantilever(int(finer))
     if finer > 1:
         return elastic.balance(layout, _mover(Case(layout, 0.6)))
-    case, cap = Case(layout, 0.6), len(layout.bodies) - 1
+    case = Case(layout, 0.6)
+    cap = len(layout.bodies) - 1
     clump = O.bodies[case.model.clumps[cap]]
     clump.state.blockedDOFs = "xyXZ"
     case.newton.damping = 0.7
@@ -226,7 +237,8 @@ def toe():
 
 def column():
     """As crushing.column, in YADE."""
-    layout, forces = crushing.block(), []
+    layout = crushing.block()
+    forces = []
     case = Case(layout, 0.5)
     case.field(0.0, 2 * crushing.column_force(layout) / layout.bodies.mass[0])
     case.run(200, lambda k: forces.append(case.scene.base_reaction()))
@@ -247,8 +259,11 @@ def splitting_load():
 
 def diagonal_tension(stress, what):
     """As splitting.sheared, in YADE."""
-    layout, step = splitting.on_ground(), 1e-6
-    solver, forces, here = YadeSolver(layout, step), [], np.zeros(2)
+    layout = splitting.on_ground()
+    step = 1e-6
+    solver = YadeSolver(layout, step)
+    forces = []
+    here = np.zeros(2)
     for state in solver.scene.states:
         state.blockedDOFs = "xyzXYZ"
     for there in splitting.halves_moved(layout, stress):
@@ -264,13 +279,15 @@ def diagonal_tension(stress, what):
 def _mover(case):
     """The function that moves every body of a case and returns the contacts' forces on them, both
     (n_bodies, 3)."""
-    states, scene = case.scene.states, case.scene
+    states = case.scene.states
+    scene = case.scene
     for state in states:
         state.blockedDOFs = "xyzXYZ"
 
     def forces_after(move):
         for state, (x, z, turn) in zip(states, move / O.dt):
-            state.vel, state.angVel = Vector3(x, 0, z), Vector3(0, -turn, 0)
+            state.vel = Vector3(x, 0, z)
+            state.angVel = Vector3(0, -turn, 0)
         case.run(1)
         case.rest()
         forces = []

@@ -26,14 +26,18 @@ STEP = 1e-6  # [s]; nothing is free to move, so any step will do
 def drive(path, changes):
     """Stresses (n, 2) along a path, and the energies at its end."""
     layout = pair(**changes)
-    solver, area = YadeSolver(layout, STEP), joint_area(layout)
-    states, scene = solver.scene.states, solver.scene
+    solver = YadeSolver(layout, STEP)
+    area = joint_area(layout)
+    states = solver.scene.states
+    scene = solver.scene
     for state in states:
         state.blockedDOFs = "xyzXYZ"
-    stresses, here = [], np.zeros(2)
+    stresses = []
+    here = np.zeros(2)
     for there in path:
         opening, shear = (there - here) / STEP
-        states[1].vel, here = Vector3(shear, 0, opening), there
+        states[1].vel = Vector3(shear, 0, opening)
+        here = there
         O.step()  # a run of one step would wait 40 ms for its end
         if solver._raised:
             raise solver._raised

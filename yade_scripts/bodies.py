@@ -27,7 +27,9 @@ REACH = 3e-2  # [m], extension of a face where the contact point lies at the end
 _COLLISION = 2e8  # [N/m], normal stiffness of loose bricks' contacts
 _COLLISION_SHEAR = 0.4  # [-], shear stiffness over the normal
 _GROUND = 10.0  # [m], extension of the ground beyond the wall
-SEEN, FACE = 1, 2  # bits of masks: seen by the collider; faces do not collide with faces
+# bits of masks: seen by the collider; faces do not collide with faces
+SEEN = 1
+FACE = 2
 
 
 def parts_of(layout, corner_depth):
@@ -50,13 +52,18 @@ class Parts:
     reader = SceneReader
 
     def __init__(self, layout, corner_depth):
-        self.layout, self._corner_depth = layout, corner_depth
-        self.waiting, self.corners = {}, []
+        self.layout = layout
+        self._corner_depth = corner_depth
+        self.waiting = {}
+        self.corners = []
         self._places, self._normals, self._reach = layout.places
         self._add_materials()
         self.ends = [[None, None] for _ in range(len(layout.contacts))]
         self.tips = self._tips()
-        self.clumps, self.members, self.ground, self.faces = [], [], [], {}
+        self.clumps = []
+        self.members = []
+        self.ground = []
+        self.faces = {}
         self._points = self._plan_points()
         for body in range(len(layout.bodies)):
             self._add_brick(body)
@@ -64,7 +71,8 @@ class Parts:
             self._add_support(support)
 
     def _add_materials(self):
-        brick, joint = self.layout.wall.brick, self.layout.wall.joint
+        brick = self.layout.wall.brick
+        joint = self.layout.wall.joint
         common = collision_material(joint)
         materials = (
             yade.FrictMat(density=brick.density, label="brick", **common),
@@ -90,7 +98,8 @@ class Parts:
         """
         contacts = self.layout.contacts
         n_bodies = len(self.layout.bodies)
-        wanted, alike = [{} for _ in range(n_bodies + len(self.layout.supports))], Counter()
+        wanted = [{} for _ in range(n_bodies + len(self.layout.supports))]
+        alike = Counter()
         ends = np.column_stack([rows(contacts.first, n_bodies), contacts.second])
         for index in range(len(contacts)):
             # At corners two overlaps may end in one point; YADE allows one bond between two
@@ -167,8 +176,10 @@ class Parts:
     def _add_support(self, support):
         """Add a support: a box of the height of a brick."""
         low, high = (np.array(end) for end in self._support_in_plan(support))
-        height, row = self.layout.wall.brick.height, len(self.layout.bodies) + support
-        centre, half = (low + high) / 2, (high - low) / 2
+        height = self.layout.wall.brick.height
+        row = len(self.layout.bodies) + support
+        centre = (low + high) / 2
+        half = (high - low) / 2
         box = self._box((*centre, -height / 2), (*half, height / 2), (0.4, 0.4, 0.4))
         parts = [box, *self._add_points(row)]
         for part in parts:
@@ -181,7 +192,8 @@ class Parts:
     def _support_in_plan(self, support):
         """Opposite corners (x, y) of a support [m]: up to halfway to its neighbours, or beyond the
         wall."""
-        all_of, across = self.layout.supports, self.layout.wall.brick.thickness / 2
+        all_of = self.layout.supports
+        across = self.layout.wall.brick.thickness / 2
         edges = [
             all_of.left[0] - _GROUND,
             *((all_of.right[:-1] + all_of.left[1:]) / 2),
@@ -192,7 +204,9 @@ class Parts:
     def _tips(self):
         """{contact point: Tip} of all that may fail."""
         layout = self.layout
-        contacts, places, normals = layout.contacts, self._places, self._normals
+        contacts = layout.contacts
+        places = self._places
+        normals = self._normals
         tips = {}
         for index in range(layout.n_joints):
             if np.isinf(contacts.tensile_strength[index]) and np.isinf(contacts.cohesion[index]):
@@ -241,7 +255,8 @@ class HouseParts(Parts):
     def _later(self, body, box):
         # distinct, so that YADE takes the axes of the box for those of the clump
         mass = self.layout.bodies.mass[body]
-        box.state.mass, box.state.inertia = mass, mass * Vector3(1, 2, 3)
+        box.state.mass = mass
+        box.state.inertia = mass * Vector3(1, 2, 3)
         tips = [self._waiting_tip(tip) for tip in self._tips_of(body).values()]
         inset = CORNER + self._corner_depth
         corners = corner_places(self.layout, body, inset, across=(-1, 1))
@@ -251,7 +266,8 @@ class HouseParts(Parts):
         return {joint: tip for joint, tip in self.tips.items() if tip.body == body}
 
     def _free(self, body, clump, later):
-        tips, bodies = self._tips_of(body), self.layout.bodies
+        tips = self._tips_of(body)
+        bodies = self.layout.bodies
         self.waiting.update(zip(tips, later))
         self.corners.append(later[len(tips) :])
         along, up = self.layout.across_inertia[body]
@@ -268,15 +284,18 @@ class HouseParts(Parts):
         for clump, centre, number in zip(self.clumps, layout.centres, layout.body_wall):
             state = O.bodies[clump].state
             turn = Quaternion((0, 0, 1), np.radians(layout.house.walls[number].direction))
-            state.pos, state.ori = Vector3(*centre), turn * state.ori
-            state.refPos, state.refOri = state.pos, state.ori
+            state.pos = Vector3(*centre)
+            state.ori = turn * state.ori
+            state.refPos = state.pos
+            state.refOri = state.ori
         newton()  # members follow
 
     def _support_in_plan(self, support):
         """Opposite corners (x, y) of a support [m]: around the contact points on it, or beyond all
         walls."""
         layout = self.layout
-        places, beyond = layout.place[:, :2], _GROUND
+        places = layout.place[:, :2]
+        beyond = _GROUND
         if len(layout.supports) > 1:  # below one brick, or where a corner took it away
             own = places[layout.contacts.first == GROUND - support]
             places, beyond = (own, REACH) if len(own) else (places[:1], 0.0)
@@ -348,7 +367,8 @@ def _set_free(body, mass, inertia):
     upwards (3,): YADE has chosen the order of the clump's own."""
     turn = body.state.ori.toRotationMatrix()
     order = [max(range(3), key=lambda row: abs(turn[row, axis])) for axis in range(3)]
-    body.state.mass, body.state.inertia = mass, Vector3(*(float(inertia[row]) for row in order))
+    body.state.mass = mass
+    body.state.inertia = Vector3(*(float(inertia[row]) for row in order))
     body.aspherical = True
 
 

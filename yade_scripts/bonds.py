@@ -62,7 +62,8 @@ class Bonds:
     tables: their BondTables, of all joints."""
 
     def __init__(self, scene, tracker):
-        self._scene, self._tracker = scene, tracker
+        self._scene = scene
+        self._tracker = tracker
         layout = scene.model.layout
         n_joints = layout.n_joints
         contacts = layout.contacts
@@ -133,7 +134,8 @@ class Bonds:
         for joint in joints:
             for side in self._sides[joint].tolist():
                 state = O.bodies[side].state
-                place, turned = state.pos, state.ori
+                place = state.pos
+                turned = state.ori
                 rows.append((place[0], place[2], turned[0], turned[1], turned[2], turned[3]))
         return np.array(rows, float).reshape(-1, 2, PLACE)
 
@@ -170,21 +172,27 @@ class Bonds:
     def _slide(self, joint):
         """Shear displacement of a bond in the last step [m]."""
         geometry = self._scene.geometries[joint]
-        normal, moved = geometry.normal, geometry.shearInc
+        normal = geometry.normal
+        moved = geometry.shearInc
         hand = float(self._scene.model.handed[joint])
         return hand * (moved[0] * normal[2] - moved[2] * normal[0])
 
     def _correct(self, joint, bond):
         """Replace the forces of a bond by those of a Found."""
         scene = self._scene
-        geometry, physics = scene.geometries[joint], scene.physics[joint]
-        area, hand = float(scene.area[joint]), float(scene.model.handed[joint])
+        geometry = scene.geometries[joint]
+        physics = scene.physics[joint]
+        area = float(scene.area[joint])
+        hand = float(scene.model.handed[joint])
         normal = geometry.normal
-        nx, nz = -bond.sine, bond.cosine
+        nx = -bond.sine
+        nz = bond.cosine
         if self.tables.upright[joint]:
-            nx, nz = bond.cosine, bond.sine
+            nx = bond.cosine
+            nz = bond.sine
         if nx * normal[0] + nz * normal[2] < 0.0:
-            nx, nz = -nx, -nz
+            nx = -nx
+            nz = -nz
         pull = area * bond.normal_stress
         rub = hand * area * bond.shear_stress
         force = Vector3(-rub * nz - pull * nx, 0.0, rub * nx - pull * nz)
@@ -198,7 +206,8 @@ class Bonds:
     def _rearm(self, joint, bond):
         """Give a bond that holds the strengths and the rest position of a Found."""
         scene = self._scene
-        geometry, physics = scene.geometries[joint], scene.physics[joint]
+        geometry = scene.geometries[joint]
+        physics = scene.physics[joint]
         area = float(scene.area[joint])
         tilted = abs(physics.shearForce.norm() - area * abs(bond.shear_stress))
         physics.isCohesive = True
@@ -210,7 +219,8 @@ class Bonds:
 
     def _record(self, rows, bonds):
         """Have the tracker record bonds after a step; rows: which, bonds: a Found of arrays."""
-        scene, tables = self._scene, self.tables
+        scene = self._scene
+        tables = self.tables
         area = scene.area[rows]
         scene.normal_stiffness[rows] = area * bonds.stiffness
         opening = np.maximum(bonds.opening, 0.0) * (1 - bonds.stiffness / tables.laws[rows, 0])
@@ -225,7 +235,8 @@ class Bonds:
 
     def _turn(self, joint, closed):
         """Give a bond that gapes the stiffness of a closed or of an open one."""
-        scene, law = self._scene, self._law_of(joint)
+        scene = self._scene
+        law = self._law_of(joint)
         geometry, physics, _ = self._gaping[joint]
         kappa, gap = self.tables.states[joint, [KAPPA, GAP]].tolist()
         stiffness = law.normal_stiffness
@@ -242,7 +253,8 @@ class Bonds:
 
 def _laws(layout):
     """`BondTables.laws` of all joints of a layout."""
-    contacts, joint = layout.contacts, layout.wall.joint
+    contacts = layout.contacts
+    joint = layout.wall.joint
     n_joints = layout.n_joints
     energies = joint.mode_i_fracture_energy or 0.0, joint.mode_ii_fracture_energy or 0.0
     laws = np.column_stack(
@@ -261,7 +273,8 @@ def _laws(layout):
 def push(bond, geometry, force):
     """Add a force [N] at the contact point to a bond's second member, and its opposite to the
     first, before the bodies move."""
-    depth, turn = geometry.penetrationDepth, force.cross(geometry.normal)
+    depth = geometry.penetrationDepth
+    turn = force.cross(geometry.normal)
     O.forces.addF(bond.id1, -force)
     O.forces.addF(bond.id2, force)
     O.forces.addT(bond.id1, (geometry.refR1 - depth / 2) * turn)

@@ -66,7 +66,8 @@ _KINDS = "tension", "shear", "opened", "slipped"
 
 def tables_of(solver):
     """Everything that the next steps of a YadeSolver depend on, {name: array}."""
-    model, work = solver.model, solver.model.work
+    model = solver.model
+    work = solver.model.work
     watched, watching = work.tables()
     return {
         "scene": _saved_scene(),
@@ -190,7 +191,9 @@ def _put_forces(loads, forces):
     """Evaluate the contacts at the present positions, for their geometry alone, and set all
     forces."""
     loop = next(engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
-    dt, O.dt, law = O.dt, 0.0, loop.lawDispatcher.functors[0]
+    dt = O.dt
+    O.dt = 0.0
+    law = loop.lawDispatcher.functors[0]
     # Bonds at their limits would pass them by rounding.
     held = [
         (i.phys, i.phys.FnMax, i.phys.FsMax)
@@ -207,7 +210,8 @@ def _put_forces(loads, forces):
     O.forces.reset()
     for first, second, *force in forces.tolist():
         phys = O.interactions[int(first), int(second)].phys
-        phys.normalForce, phys.shearForce = Vector3(force[:3]), Vector3(force[3:])
+        phys.normalForce = Vector3(force[:3])
+        phys.shearForce = Vector3(force[3:])
     for body, *load in loads.tolist():
         if any(load):
             O.forces.addF(int(body), Vector3(load[:3]))
@@ -240,16 +244,21 @@ def _is_there(bond):
 
 def _bind(solver, tables):
     """Have a solver read the bodies and interactions of the scene that was loaded."""
-    model, scene, work = solver.model, solver.scene, solver.model.work
+    model = solver.model
+    scene = solver.scene
+    work = solver.model.work
     for number, (first, second) in enumerate(tables["bonds"].tolist()):
         if O.interactions.has(first, second):
             bond = O.interactions[first, second]
-            scene.geometries[number], scene.physics[number] = bond.geom, bond.phys
+            scene.geometries[number] = bond.geom
+            scene.physics[number] = bond.phys
         else:
             bond = utils.createInteraction(first, second, virtualI=True)
         model.bonds[number] = bond
     for number, depth, kn, ks, friction, *forces in tables["removed"].tolist():
-        slid, normal, shear = Vector3.Zero, Vector3(forces[:3]), Vector3(forces[3:])
+        slid = Vector3.Zero
+        normal = Vector3(forces[:3])
+        shear = Vector3(forces[3:])
         scene.geometries[int(number)] = SimpleNamespace(penetrationDepth=depth, shearInc=slid)
         scene.physics[int(number)] = SimpleNamespace(
             kn=kn,

@@ -19,12 +19,11 @@ class Crushing:
     """Crushing of the joints of a SceneReader's wall."""
 
     def __init__(self, scene):
-        contacts, n = scene.model.layout.contacts, scene.model.layout.n_joints
+        contacts = scene.model.layout.contacts
+        n = scene.model.layout.n_joints
         self._scene = scene
-        self._strength, self._stiffness = (
-            contacts.compressive_strength[:n].copy(),
-            contacts.normal_stiffness[:n],
-        )
+        self._strength = contacts.compressive_strength[:n].copy()
+        self._stiffness = contacts.normal_stiffness[:n]
         self._limit = -self._strength / self._stiffness  # openings [m]
         joint = scene.model.layout.wall.joint
         self._law = LawParameters(
@@ -45,7 +44,8 @@ class Crushing:
 
         anew: choose anew the joints that are checked at every step.
         """
-        opening, limit = self._scene.opening_of, self._limit
+        opening = self._scene.opening_of
+        limit = self._limit
         if anew:
             self._near = [joint for joint in self._joints if opening(joint) < limit[joint] + _NEAR]
         crushed = [
@@ -60,10 +60,9 @@ class Crushing:
     def _grow(self, joint, opening):
         """Increment of the plastic closure of a joint [m] and its work [J/m2] by the joint law;
         opening [m]: measured from the rest position."""
-        law, strength = (
-            self._law._replace(normal_stiffness=self._stiffness[joint]),
-            self._strength[joint],
-        )
+        law = self._law._replace(normal_stiffness=self._stiffness[joint])
+        strength = self._strength[joint]
         more, left = closure_growth(-opening, self._scene.model.closure[joint], strength, law)
-        self._strength[joint], self._limit[joint] = left, -left / self._stiffness[joint]
+        self._strength[joint] = left
+        self._limit[joint] = -left / self._stiffness[joint]
         return float(more), float((strength + left) / 2 * more)

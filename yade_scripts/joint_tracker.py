@@ -73,14 +73,16 @@ class JointTracker:
     """
 
     def __init__(self, layout, threshold, new_contacts=False):
-        n, contacts = layout.n_joints, layout.contacts
+        n = layout.n_joints
+        contacts = layout.contacts
         self.friction = frictions(layout, True)[:n]
         self.area = contacts.area[:n]
         self.normal_stiffness = contacts.normal_stiffness[:n]
         self.shear_stiffness = contacts.shear_stiffness[:n]
         self.threshold = threshold
         shear = layout.SHEAR
-        self.opening, (self.slip, self.offset) = np.zeros(n), np.zeros((2, n), shear)
+        self.opening = np.zeros(n)
+        (self.slip, self.offset) = np.zeros((2, n), shear)
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._slide = layout.slide_limits[:, :n]
@@ -88,14 +90,17 @@ class JointTracker:
         sides = np.column_stack([contacts.first, contacts.second])[:n]
         _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
         self._joint = joint.reshape(-1)  # number of the joint that a contact point is of
-        self._open, (self._stress, self._plastic) = np.zeros(n, bool), np.zeros((2, n), shear)
+        self._open = np.zeros(n, bool)
+        (self._stress, self._plastic) = np.zeros((2, n), shear)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
 
     def breaks(self, joint, kind, sigma, tau):
         """Record the failure of a bond in "tension" or "shear" at stresses sigma, tau [Pa], tension
         positive."""
-        kn, ks = self.normal_stiffness[joint], self.shear_stiffness[joint]
-        area, self.broken[joint] = self.area[joint], True
+        kn = self.normal_stiffness[joint]
+        ks = self.shear_stiffness[joint]
+        area = self.area[joint]
+        self.broken[joint] = True
         self._open[joint] = kind == "tension" or sigma > 0
         if self._open[joint]:
             self.fracture_energy += 0.5 * (sigma**2 / kn + abs(tau) ** 2 / ks) * area
@@ -110,7 +115,9 @@ class JointTracker:
         self.fracture_energy += fracture
         self._take(friction)
         self.opening[joint] = opening
-        self.slip[joint], self.offset[joint], self._plastic[joint] = slip, slid, slid
+        self.slip[joint] = slip
+        self.offset[joint] = slid
+        self._plastic[joint] = slid
 
     def _take(self, energy):
         self.friction_energy += energy
@@ -148,7 +155,8 @@ class JointTracker:
         Returns [(joint, "opened" | "slipped"),
         ...] where opening or slip exceeds the threshold for the first time.
         """
-        is_open, area = opening > 0, self.area[joints]
+        is_open = opening > 0
+        area = self.area[joints]
         plastic = shear - tau / self.shear_stiffness[joints]
         stays_closed = ~is_open & ~self._open[joints]
         increment = np.where(stays_closed, plastic - self._plastic[joints], 0.0)
@@ -168,7 +176,8 @@ class JointTracker:
         seen = opening if gap is None else np.maximum(gap, 0.0)
         self.opening[joints] = np.where(is_open, seen, 0.0)
         self.offset[joints] = plastic
-        self._open[joints], self._plastic[joints] = is_open, plastic
+        self._open[joints] = is_open
+        self._plastic[joints] = plastic
         self._stress[joints] = np.where(is_open, 0.0, tau)
         least, most = self._slide[:, joints]
         self.ended[joints] = self.broken[joints] & (

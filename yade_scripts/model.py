@@ -66,30 +66,41 @@ class YadeWall:
     """
 
     def __init__(self, layout, parts, bonds, newton, law, work, corner_depth):
-        self.layout, self.bonds, self.newton, self.law = layout, bonds, newton, law
-        self.geometries, self.physics = [bond.geom for bond in bonds], [bond.phys for bond in bonds]
-        self.clumps, self.members, self.ground = parts.clumps, parts.members, parts.ground
+        self.layout = layout
+        self.bonds = bonds
+        self.newton = newton
+        self.law = law
+        self.geometries = [bond.geom for bond in bonds]
+        self.physics = [bond.phys for bond in bonds]
+        self.clumps = parts.clumps
+        self.members = parts.members
+        self.ground = parts.ground
         self.reader = parts.reader
         self.signs = np.array(
             [1.0 if bond.id2 == second else -1.0 for bond, (_, second) in zip(bonds, parts.ends)]
         )
         self.bonded = np.ones(len(bonds), dtype=bool)
-        self.tips, self.faces = parts.tips, parts.faces
+        self.tips = parts.tips
+        self.faces = parts.faces
         # of a house: ids of the tips that are not in use yet, and of the corners
-        self._waiting, self._corners_waiting = parts.waiting, parts.corners
+        self._waiting = parts.waiting
+        self._corners_waiting = parts.corners
         self.turning = [
             O.bodies[parts.faces[body, "box"]].state for body in range(len(layout.bodies))
         ]
         material = material_of(layout.wall.joint)
         # share of its friction that a bond leaves
-        intact, self._kept = friction_left(False, material), 1.0
+        intact = friction_left(False, material)
+        self._kept = 1.0
         if intact:
             self._kept = friction_left(True, material) / intact
-        self._material, self.work = parts.tip, work
+        self._material = parts.tip
+        self.work = work
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the
         # other way round.
         self.handed = np.where(layout.contacts.upright, -1.0, 1.0)
-        contacts, n = layout.contacts, layout.n_joints
+        contacts = layout.contacts
+        n = layout.n_joints
         # Depth at which contact points crush, or to which soil gives way, else none [m]; {joint:
         # its tip's id}.
         self._depth = np.where(
@@ -101,7 +112,8 @@ class YadeWall:
             base = contacts.first[:n] < 0
             stiffness = np.sum((contacts.normal_stiffness * contacts.area)[:n][base])
             self._depth[base] += _ON_SOIL * layout.total_mass * GRAVITY / stiffness
-        self.closure, self._tip_of = np.zeros(n), {}
+        self.closure = np.zeros(n)
+        self._tip_of = {}
         inset = _CRUSHED_INSET if self._depth.any() else _INSET
         # of the faces' overlap [m], from which corners touch
         self._corner_depth = max(corner_depth, inset)
@@ -132,7 +144,8 @@ class YadeWall:
         In a house the bond beside it, towards the middle of the wall, has no tensile strength from
         then on: a crack has its tip there.
         """
-        bond, tip = self.bonds[joint], self.tips[joint]
+        bond = self.bonds[joint]
+        tip = self.tips[joint]
         sign = 1.0 if tip.is_second else -1.0
         shear = self.signs[joint] * sign * bond.phys.shearForce
         stiffness = bond.phys.kn, bond.phys.ks
@@ -151,12 +164,11 @@ class YadeWall:
 
     def _put(self, joint, contact):
         """Have a dry contact stand in place of a bond, or of a dry contact."""
-        self.bonds[joint], self.geometries[joint], self.physics[joint] = (
-            contact,
-            contact.geom,
-            contact.phys,
-        )
-        self.bonded[joint], self.signs[joint] = False, 1.0 if self.tips[joint].is_second else -1.0
+        self.bonds[joint] = contact
+        self.geometries[joint] = contact.geom
+        self.physics[joint] = contact.phys
+        self.bonded[joint] = False
+        self.signs[joint] = 1.0 if self.tips[joint].is_second else -1.0
 
     def crush(self, joint, more):
         """Move the rest position of a contact point by an increment of plastic closure [m]."""
@@ -182,7 +194,8 @@ class YadeWall:
     def remove(self, joint):
         """Remove the interaction of a contact point, which has no force and no depth from then
         on."""
-        contact, phys = self.bonds[joint], self.physics[joint]
+        contact = self.bonds[joint]
+        phys = self.physics[joint]
         if contact.isReal:
             O.interactions.erase(contact.id1, contact.id2)
         self.geometries[joint] = SimpleNamespace(penetrationDepth=0.0)
@@ -192,14 +205,13 @@ class YadeWall:
     def _exchange(self, joint):
         """Replace a tip that crushing has made too small by one farther inside its brick."""
         old = self.bonds[joint]
-        stiffness, shear = (old.phys.kn, old.phys.ks), Vector3(old.phys.shearForce)
+        stiffness = (old.phys.kn, old.phys.ks)
+        shear = Vector3(old.phys.shearForce)
         self.work.forget(joint)
         worn = self._tip_of[joint]
-        force, torque, there = (
-            O.forces.f(worn, True),
-            O.forces.t(worn, True),
-            Vector3(O.bodies[worn].state.pos),
-        )
+        force = O.forces.f(worn, True)
+        torque = O.forces.t(worn, True)
+        there = Vector3(O.bodies[worn].state.pos)
         self.members[self.tips[joint].body].remove(worn)
         O.bodies.erase(worn)  # else it would touch the face again
         contact = self._touch(joint, *stiffness)
@@ -213,7 +225,8 @@ class YadeWall:
     def _touch(self, joint, normal_stiffness, shear_stiffness):
         """Create the tip of a joint, moved by its plastic closure, and return its contact with the
         face."""
-        tip, radius = self.tips[joint], max(TIP, 2 * _DEEP * self._depth[joint])
+        tip = self.tips[joint]
+        radius = max(TIP, 2 * _DEEP * self._depth[joint])
         inwards = radius + self.closure[joint]
         point = self._waiting.get(joint)
         if point is not None:
@@ -223,7 +236,8 @@ class YadeWall:
             (point,) = self._attach(tip.body, [ball(place, radius, self._material)])
         self._tip_of[joint] = point
         contact = utils.createInteraction(self.faces[tip.face], point)
-        contact.phys.kn, contact.phys.ks = normal_stiffness, shear_stiffness
+        contact.phys.kn = normal_stiffness
+        contact.phys.ks = shear_stiffness
         contact.phys.tangensOfFrictionAngle = self.friction_of(joint)
         return contact
 
@@ -237,7 +251,8 @@ class YadeWall:
             return
         for members, corners in zip(self.members, self._corners_waiting):
             for corner in corners:
-                O.bodies[corner].bounded, O.bodies[corner].mask = True, SEEN
+                O.bodies[corner].bounded = True
+                O.bodies[corner].mask = SEEN
             members.extend(corners)
             self.corners.update(corners)
         inset = CORNER + self._corner_depth
@@ -247,7 +262,8 @@ class YadeWall:
                 for place in corner_places(self.layout, body, inset)
             ]
             for one in balls:
-                one.bounded, one.mask = True, SEEN
+                one.bounded = True
+                one.mask = SEEN
             self.corners.update(self._attach(body, balls))
 
     def damp_impacts(self):
@@ -293,8 +309,10 @@ class YadeWall:
         stiffnesses and friction of the one before."""
         found = [joint for joint in self.gone if self.bonds[joint].isReal]
         for joint in found:
-            contact, old = self.bonds[joint], self.physics[joint]
-            contact.phys.kn, contact.phys.ks = old.kn, old.ks
+            contact = self.bonds[joint]
+            old = self.physics[joint]
+            contact.phys.kn = old.kn
+            contact.phys.ks = old.ks
             contact.phys.tangensOfFrictionAngle = old.tangensOfFrictionAngle
             self._put(joint, contact)
             self.work.renew(joint, contact)
@@ -313,7 +331,8 @@ class YadeWall:
     def _attach(self, body, parts):
         """Add parts, with positions in the undeformed wall, to a brick at its present position;
         returns their ids."""
-        bodies, brick = self.layout.bodies, self.turning[body]
+        bodies = self.layout.bodies
+        brick = self.turning[body]
         start = Vector3(bodies.x[body], 0, bodies.z[body])
         for part in parts:
             part.state.pos = brick.pos + brick.ori * (part.state.pos - start)
@@ -325,7 +344,8 @@ class YadeWall:
         # YADE has stopped the clump and recomputed mass and axes; axes do not matter where all
         # inertias are equal.
         state.vel, state.angVel = velocities
-        state.mass, state.inertia = bodies.mass[body], Vector3(1, 1, 1) * bodies.inertia[body]
+        state.mass = bodies.mass[body]
+        state.inertia = Vector3(1, 1, 1) * bodies.inertia[body]
         self.members[body] += ids
         return ids
 
@@ -333,7 +353,8 @@ class YadeWall:
 def _ease(contact, closure):
     """Reduce the force of a contact on both bodies by its increment of plastic closure [m], before
     the bodies move."""
-    geom, force = contact.geom, contact.phys.kn * closure * contact.geom.normal
+    geom = contact.geom
+    force = contact.phys.kn * closure * contact.geom.normal
     contact.phys.normalForce -= force
     for body, on_it in ((contact.id1, force), (contact.id2, -force)):
         O.forces.addF(body, on_it)

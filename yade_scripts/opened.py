@@ -53,9 +53,15 @@ class Scene:
     """The last one that was built: there is one scene, as there is one O."""
 
     def __init__(self, layout, solver, console=None):
-        self.layout, self.solver, self.run, self.console = layout, solver, None, console
-        self._prepared, self._settled, self._finished = None, False, False
-        self._left, self._changed = Properties.of(solver), []
+        self.layout = layout
+        self.solver = solver
+        self.run = None
+        self.console = console
+        self._prepared = None
+        self._settled = False
+        self._finished = False
+        self._left = Properties.of(solver)
+        self._changed = []
         Scene.current = self
 
     def __repr__(self):
@@ -123,7 +129,8 @@ class Scene:
         )
         with redirect_stdout(io.StringIO()):
             take_turns([self.run.come_to_rest()])
-        self._settled, self._left = True, Properties.of(self.solver)
+        self._settled = True
+        self._left = Properties.of(self.solver)
         return self
 
     def finish(self):
@@ -237,7 +244,8 @@ def engines_beside(more):
             f"the scene has {len(O.bodies)} bodies already: expected none, as a wall makes its own"
             " scene; open it first (yade_scripts.open_scene), then add bodies"
         )
-    present, given = list(O.engines), list(more)
+    present = list(O.engines)
+    given = list(more)
     kept = [one for one in present if not isinstance(one, _OWN)]
     for one in (
         *(one for one in present if isinstance(one, _OWN) and not _is_as_new(one)),

@@ -68,7 +68,8 @@ def _run(make_wall, path, engines):
             prog=f"yade {shown_path(path)}",
         )
 
-    status, scene = reported(run), Scene.current
+    status = reported(run)
+    scene = Scene.current
     if scene and scene.console == "after" and scene.run:
         prompt(scene, "after", history=scene.history)
     return status

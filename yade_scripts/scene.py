@@ -16,15 +16,18 @@ class SceneReader:
     """Reads the bodies and bonds of a YadeWall in the layout's order."""
 
     def __init__(self, model):
-        contacts, bodies = model.layout.contacts, model.layout.bodies
+        contacts = model.layout.contacts
+        bodies = model.layout.bodies
         self.model = model
         # YADE sums the forces of a clump's members only in its integrator, after these are read.
         self.members = model.members
         self.states = [O.bodies[clump].state for clump in model.clumps]
-        self.geometries, self.physics = model.geometries, model.physics
+        self.geometries = model.geometries
+        self.physics = model.physics
         self.area = contacts.area
         self.holding = list(range(model.layout.n_joints))  # joints whose bond has not failed
-        self._breaks_seen, self._passed = 0, []
+        self._breaks_seen = 0
+        self._passed = []
         self.by_law = bonds_by_law(model.layout)
         self.normal_stiffness = contacts.normal_stiffness * contacts.area
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
@@ -49,7 +52,8 @@ class SceneReader:
         breaks = self.model.law.nbTensCracks + self.model.law.nbShearCracks
         if breaks == self._breaks_seen:
             return [], []
-        expected, self._breaks_seen = breaks - self._breaks_seen, breaks
+        expected = breaks - self._breaks_seen
+        self._breaks_seen = breaks
         # mostly those of the step before, which go on softening
         flagged = [joint for joint in self._passed if not self.physics[joint].isCohesive]
         if len(flagged) < expected:
@@ -117,7 +121,8 @@ class SceneReader:
     def set_velocities(self, velocities):
         """Set those of the bodies by their coordinates (n_bodies, 3) [m/s, m/s, rad/s]."""
         for state, (vx, vz, rotating) in zip(self.states, velocities):
-            state.vel, state.angVel = Vector3(vx, 0, vz), Vector3(0, -rotating, 0)
+            state.vel = Vector3(vx, 0, vz)
+            state.angVel = Vector3(0, -rotating, 0)
 
     def turned_by_heading(self, along, up):
         """Along x, z and y what is along the wall and upwards."""
@@ -206,7 +211,8 @@ class SceneReader:
         normal = shear = 0.0
         contact = self.model.bonds[joint]
         if contact.isReal:  # not of one that has ended
-            n, along = contact.geom.normal, contact.phys.shearForce
+            n = contact.geom.normal
+            along = contact.phys.shearForce
             normal -= contact.phys.normalForce.dot(n)
             shear -= (along[0] * n[2] - along[2] * n[0]) * self.model.handed[joint]
         return float(normal), float(shear)

@@ -53,37 +53,46 @@ class YadeSolver(Solver):
     `damage.run.solver.Solver`."""
 
     def __init__(self, layout, time_step, new_contacts=False):
-        self.layout, self.time_step = layout, time_step
+        self.layout = layout
+        self.time_step = time_step
         self.model = build(
             layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0
         )
         self.scene = self.model.reader(self.model)
-        self.tracker, self.crushing = (
-            JointTracker(layout, THRESHOLD, new_contacts),
-            Crushing(self.scene),
-        )
+        self.tracker = JointTracker(layout, THRESHOLD, new_contacts)
+        self.crushing = Crushing(self.scene)
         self.bonds = Bonds(self.scene, self.tracker)
         self.ties = Ties(self.scene)
-        self._base, self._gravity = NO_MOTION, np.zeros(1)
+        self._base = NO_MOTION
+        self._gravity = np.zeros(1)
         # bodies whose horizontal velocity is prescribed [m/s]
-        self._held, self._velocity = None, 0.0
+        self._held = None
+        self._velocity = 0.0
         # of a spreader beam: shares of these bodies, where it will be after the next step [m]
-        self._shares, self._place = None, 0.0
+        self._shares = None
+        self._place = 0.0
         # of rotational springs on these, and where they have no moment
-        self._top_stiffness, self._top_rest = 0.0, 0.0
+        self._top_stiffness = 0.0
+        self._top_rest = 0.0
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
         self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
         # of its bearing [m], [J]
-        self._restraint, self._slip, self._slip_work = top_of(layout.wall), 0.0, 0.0
+        self._restraint = top_of(layout.wall)
+        self._slip = 0.0
+        self._slip_work = 0.0
         self._beam = (
             np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
         )
         self._sample_steps = self._on_samples = self._raised = None
-        self._events, self._armed = [], False
-        self._input_power, self._input_time, self._input_energy = 0.0, 0.0, 0.0
+        self._events = []
+        self._armed = False
+        self._input_power = 0.0
+        self._input_time = 0.0
+        self._input_energy = 0.0
         self.clock = 0  # steps since `start`
         # of this scene, which O.load and O.reset replace
-        self._tags, self._advancing = O.tags, False
+        self._tags = O.tags
+        self._advancing = False
         builtins.masonry_solver = self  # for the command of the engine
         O.engines = [
             self.model.newton,
@@ -96,7 +105,10 @@ class YadeSolver(Solver):
     # --- loading and time steps -----------------------------------------------------------------
 
     def start(self, base, gravity):
-        self._base, self._gravity, self.clock, self._input_time = base, gravity, 0, 0.0
+        self._base = base
+        self._gravity = gravity
+        self.clock = 0
+        self._input_time = 0.0
         self._set_field()
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0):
@@ -116,7 +128,8 @@ class YadeSolver(Solver):
         self.scene.set_velocities(velocities)
 
     def hold(self, bodies, rotation, stiffness=0.0):
-        self._held, self._top_stiffness = np.sort(bodies), stiffness
+        self._held = np.sort(bodies)
+        self._top_stiffness = stiffness
         self._top_rest = self._held_rotations()
         for body in bodies:
             self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"
@@ -130,8 +143,13 @@ class YadeSolver(Solver):
     def _spread(self):
         """Add the force of the spreader beam to those of the next step, after which the mean
         displacement of its bodies by their shares is that of the machine; damped by YADE's rule."""
-        dt, held, shares, scene = self.time_step, self._held, self._shares, self.scene
-        mass, place, axis = self.layout.bodies.mass[held], scene.pushed(held), scene.push_axis
+        dt = self.time_step
+        held = self._held
+        shares = self._shares
+        scene = self.scene
+        mass = self.layout.bodies.mass[held]
+        place = scene.pushed(held)
+        axis = scene.push_axis
         speed = np.array([scene.states[body].vel.dot(axis) for body in held])
         own = np.array(
             [sum(O.forces.f(cell, True).dot(axis) for cell in scene.members[body]) for body in held]
@@ -165,11 +183,13 @@ class YadeSolver(Solver):
     def _hold_top(self):
         """Add the forces of a restraint's bearing and of its constant load to those of the next
         step."""
-        top, force = self._restraint, np.zeros(3)
+        top = self._restraint
+        force = np.zeros(3)
         weight = -self.model.newton.gravity[2] - self._base_now()[1]
         force[1] = -weight * self.layout.load_mass[self._beam]
         if top.stiffness:
-            before, there = self.scene.on_top[self._beam, 0], self.scene.states[self._beam].pos[0]
+            before = self.scene.on_top[self._beam, 0]
+            there = self.scene.states[self._beam].pos[0]
             there -= self.layout.bodies.x[self._beam]
             slip = top.slip(there, self._slip, GRAVITY * self.layout.top_mass)
             force[0] = -top.stiffness * (there - slip)
@@ -198,7 +218,8 @@ class YadeSolver(Solver):
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy
         is input."""
-        old, self._velocity = self._velocity, float(velocity)
+        old = self._velocity
+        self._velocity = float(velocity)
         for body in self._held if self._shares is None else ():
             state = self.scene.states[body]
             state.vel = (self._velocity, state.vel[1], state.vel[2])
@@ -214,17 +235,20 @@ class YadeSolver(Solver):
     def _set_support_velocities(self):
         """Set the velocities of all bodies of the supports to those of the supports' rigid
         motion."""
-        axis, upright = self.scene.push_axis, Vector3(0, 0, 1)
+        axis = self.scene.push_axis
+        upright = Vector3(0, 0, 1)
         for bodies, x, (ux, uz, _), (vx, vz, rotating) in zip(
             self.model.ground, self.scene.ground_at, self._supports, self._support_velocity
         ):
             for state in (O.bodies[body].state for body in bodies):
-                along, up = state.pos.dot(axis) - x - ux, state.pos[2] - uz
+                along = state.pos.dot(axis) - x - ux
+                up = state.pos[2] - uz
                 state.vel = (vx - rotating * up) * axis + (vz + rotating * along) * upright
                 state.angVel = rotating * axis.cross(upright)
 
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
-        self._sample_steps, self._on_samples = sample_steps, on_samples
+        self._sample_steps = sample_steps
+        self._on_samples = on_samples
         if on_samples and self.clock == 0:
             self._observe()
         self._check_scene()
@@ -305,10 +329,8 @@ class YadeSolver(Solver):
         _, shear = self._displacements(new)
         for joint, slip, strength in zip(new, shear, self.model.tensile_strengths(new)):
             opening = self.scene.opening_of(joint)
-            sigma, tau = (
-                tracker.normal_stiffness[joint] * opening,
-                tracker.shear_stiffness[joint] * slip,
-            )
+            sigma = tracker.normal_stiffness[joint] * opening
+            tau = tracker.shear_stiffness[joint] * slip
             kind = "tension" if sigma > strength else "shear"
             tracker.friction[joint] = self.model.friction_of(joint)
             tracker.breaks(joint, kind, sigma, tau)
@@ -372,9 +394,11 @@ class YadeSolver(Solver):
     def _integrate_input(self):
         """Add the work of all prescribed motions since the last call to the input, by the
         trapezoidal rule."""
-        power, time = self._power(), self.clock * self.time_step
+        power = self._power()
+        time = self.clock * self.time_step
         self._input_energy += (power + self._input_power) / 2 * (time - self._input_time)
-        self._input_power, self._input_time = power, time
+        self._input_power = power
+        self._input_time = time
 
     def _power(self):
         """Power of the pushed top, of the supports, and of the inertia forces in the frame of the
@@ -394,11 +418,10 @@ class YadeSolver(Solver):
     def _momentum(self, axis):
         """Momentum of all bodies at the time of the positions along x (0), z (1) or y (2)
         [kg m/s]."""
-        scene, coordinate = self.scene, (0, 2, 1)[axis]
-        mass, gravity = (
-            scene.mass[:, 0] * scene.follows[:, axis % 2],
-            self.model.newton.gravity[coordinate],
-        )
+        scene = self.scene
+        coordinate = (0, 2, 1)[axis]
+        mass = scene.mass[:, 0] * scene.follows[:, axis % 2]
+        gravity = self.model.newton.gravity[coordinate]
         if self.layout.wall.restraints:
             force = total(scene.follows[:, axis] * scene.resultants()[:, axis])
         else:
@@ -458,9 +481,12 @@ class YadeSolver(Solver):
     def resume(self, state):
         blocked = [one.blockedDOFs for one in self.scene.states]
         checkpoint.restore(self, state)
-        self.clock, self._input_time = 0, 0.0
+        self.clock = 0
+        self._input_time = 0.0
         # nothing holds the top of this run yet
-        self._velocity, self._top_stiffness, self._top_rest = 0.0, 0.0, 0.0
+        self._velocity = 0.0
+        self._top_stiffness = 0.0
+        self._top_rest = 0.0
         self.scene.follows[...] = np.where(self.layout.held, 0.0, 1.0)
         if not self._restraint:
             self.scene.on_top[...] = 0.0
@@ -474,5 +500,6 @@ class YadeSolver(Solver):
         checkpoint.restore(self, tables)
 
     def drain_events(self):
-        events, self._events = self._events, []
+        events = self._events
+        self._events = []
         return events

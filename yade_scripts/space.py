@@ -19,8 +19,10 @@ class SpaceReader(SceneReader):
     def __init__(self, model):
         super().__init__(model)
         layout = model.layout
-        bodies, contacts = layout.bodies, layout.contacts
-        self.start, self._of_body = layout.centres, layout.of_body
+        bodies = layout.bodies
+        contacts = layout.contacts
+        self.start = layout.centres
+        self._of_body = layout.of_body
         self._first = Rotation.from_quat(self.first_orientation).inv()
         self._ends = [rows(end, len(bodies)) for end in (contacts.first, contacts.second)]
         turn = np.radians(layout.house.heading)
@@ -47,11 +49,13 @@ class SpaceReader(SceneReader):
         """As of SceneReader: along the heading and upwards, and the moment from the one towards the
         other."""
         along, up, _ = np.transpose(displacement)
-        axis, found = self.push_axis, []
+        axis = self.push_axis
+        found = []
         about = axis.cross(Vector3(0, 0, 1))
         places = starmap(Vector3, self._of_ground(self.ground_at + along, up).tolist())
         for members, at in zip(self.model.ground, places):
-            force, moment = Vector3.Zero, Vector3.Zero
+            force = Vector3.Zero
+            moment = Vector3.Zero
             for member in members:
                 on_it = O.forces.f(member, True)
                 force += on_it
@@ -123,7 +127,8 @@ class SpaceReader(SceneReader):
         house [N, N m]."""
         found = np.zeros((len(self.states), 6))
         for row, members, state in zip(found, self.members, self.states):
-            force, moment = Vector3.Zero, Vector3.Zero
+            force = Vector3.Zero
+            moment = Vector3.Zero
             for member in members:
                 on_it = O.forces.f(member, True)
                 force += on_it
@@ -163,7 +168,8 @@ class SpaceReader(SceneReader):
             np.column_stack([ux, uy, uz]),
             np.column_stack([about_x, -turning, about_z]),
         ):
-            state.vel, state.angVel = Vector3(*(vel @ axes)), Vector3(*(spin @ axes))
+            state.vel = Vector3(*(vel @ axes))
+            state.angVel = Vector3(*(spin @ axes))
             state.angMom = Vector3(*((spin * inertia) @ axes))
 
 

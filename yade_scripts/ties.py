@@ -7,8 +7,10 @@ class Ties:
     """The ties of a scene; rows: their contact points (n_ties,)."""
 
     def __init__(self, scene):
-        self.scene, self.model = scene, scene.model
-        layout, contacts = self.model.layout, self.model.layout.contacts
+        self.scene = scene
+        self.model = scene.model
+        layout = self.model.layout
+        contacts = self.model.layout.contacts
         others = np.arange(layout.n_joints, len(contacts))
         self.rows = others[np.isfinite(contacts.tensile_strength[others])]
         self._stiffness = scene.normal_stiffness[self.rows]

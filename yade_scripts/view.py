@@ -20,14 +20,16 @@ def open_view():
     from PyQt5.QtWidgets import QApplication
     from yade import O, qt
 
-    view, framed = qt.View(), False
+    view = qt.View()
+    framed = False
     view.screenSize = (1000, 750)
 
     def refresh():
         nonlocal framed
         if not framed and len(O.bodies) > 0:  # the wall is built after the view
             corners = np.array([body.state.pos for body in O.bodies])
-            view.viewDir, view.upVector = (0, 1, 0), (0, 0, 1)
+            view.viewDir = (0, 1, 0)
+            view.upVector = (0, 0, 1)
             view.fitAABB(tuple(corners.min(axis=0) - 0.3), tuple(corners.max(axis=0) + 0.3))
             framed = True
         QApplication.processEvents()

@@ -47,7 +47,8 @@ def _index(asked):
     from damage.measure.summary import summarise
     from damage.run.report import describe, describe_house, with_added
 
-    history, summaries = read_history(asked.history), {}
+    history = read_history(asked.history)
+    summaries = {}
     for part in history.parts:
         summaries[part.wall] = with_added(
             summarise(
@@ -120,7 +121,8 @@ def _plot(asked):
 def _stresses(asked):
     from damage.measure.joint_stress import describe, stress_report
 
-    history, moments = read_history(asked.history), list(dict.fromkeys(asked.at.split(",")))
+    history = read_history(asked.history)
+    moments = list(dict.fromkeys(asked.at.split(",")))
     report = stress_report(history, moments)
     if asked.out:
         from damage.draw.run import contact_force_picture

@@ -165,7 +165,8 @@ def _check_bits(asked):
         )
     if not is_cached():
         print(COMPILING, flush=True)
-    found, known = {}, bits.published()
+    found = {}
+    known = bits.published()
     for name in asked.runs or [
         name for name, case in bits.CASES.items() if asked.long or not case.is_long
     ]:

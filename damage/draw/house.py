@@ -40,7 +40,8 @@ SIDES = np.array(
     [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [3, 2, 6, 7], [0, 3, 7, 4], [1, 2, 6, 5]]
 )
 """Corners of the sides of a box, as of `damage.house.placing.BOX`."""
-ABOVE_DEG, BESIDE_DEG = 24.0, 35.0
+ABOVE_DEG = 24.0
+BESIDE_DEG = 35.0
 """Where one looks from: above the horizon, and beside the normal of the first wall."""
 AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
 DARKEST = 0.8  # share of its colour that a side has which the light does not reach
@@ -72,8 +73,11 @@ def cracks(space, sample, snapshot, magnify, joints):
 def corner_cracks(space, number, sample, snapshot, magnify):
     """As `cracks`, of the joints of a wall, by its number, to others, seen from in front of the
     wall: one of each pair of bricks and kind, in the gravest state of its points."""
-    history, placing, found = space.history, space.history.placing, []
-    codes, width = joint_states(history, sample), widths(history, sample)
+    history = space.history
+    placing = space.history.placing
+    found = []
+    codes = joint_states(history, sample)
+    width = widths(history, sample)
     pairs = [
         joints for walls, joints in corner_joints(history).items() if placing.names[number] in walls
     ]
@@ -82,7 +86,8 @@ def corner_cracks(space, number, sample, snapshot, magnify):
     table = history.joints.iloc[joints]
     groups = table.groupby(["first_body", "second_body", "kind"], observed=True).indices
     for (first, second, kind), rows in groups.items():
-        ends, points = np.tile(places[rows].mean(axis=0), (2, 1)), joints[rows]
+        ends = np.tile(places[rows].mean(axis=0), (2, 1))
+        points = joints[rows]
         along = places[rows, 2 if kind == "head" else 0]
         ends[:, 2 if kind == "head" else 0] = along.min(), along.max()
         found.append((ends, codes[points].max(), width[points].max(), (first, second)))
@@ -120,7 +125,8 @@ class Before:
     the wall and upwards, without perspective."""
 
     def __init__(self, placing, number, sign):
-        self.placing, self.number = placing, number
+        self.placing = placing
+        self.number = number
         self.towards = self.light = sign * placing.axes[number, 1]
 
     def project(self, places):
@@ -137,7 +143,8 @@ class Before:
         local = self.placing.in_wall(self.number, boxes)[..., :2]
         left, length = (getattr(self.placing, one)[self.number] for one in ("left", "length"))
         half = self.placing.thickness[self.number] / 2
-        least, most = np.array([left, -half]), np.array([left + length, half])
+        least = np.array([left, -half])
+        most = np.array([left + length, half])
         common = np.minimum(local.max(axis=1), most) - np.maximum(local.min(axis=1), least)
         return (common > TINY).all(axis=1)
 
@@ -149,9 +156,11 @@ class Eye:
     def __init__(self, azimuth, middle, radius):
         turn, above = np.radians([azimuth, ABOVE_DEG])
         towards = [np.cos(above) * np.cos(turn), np.cos(above) * np.sin(turn), np.sin(above)]
-        self.towards, self.right = np.array(towards), np.array([-np.sin(turn), np.cos(turn), 0.0])
+        self.towards = np.array(towards)
+        self.right = np.array([-np.sin(turn), np.cos(turn), 0.0])
         self.light = self.right / 2 + [0.0, 0.0, 0.9]
-        self.middle, self.distance = middle, AWAY * radius
+        self.middle = middle
+        self.distance = AWAY * radius
 
     def project(self, places):
         """Places (..., 3) [m] on the picture, (..., 2) [m], in scale at the middle."""
@@ -174,7 +183,8 @@ def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None))
     one; in a course from far to near.
     """
     ends, codes, width, joined = lines
-    sides, centre = corners[shown][:, SIDES], corners.mean(axis=1)
+    sides = corners[shown][:, SIDES]
+    centre = corners.mean(axis=1)
     outwards = sides.mean(axis=2) - centre[shown, None]
     seen = eye.sees(sides.mean(axis=2), outwards)
     of = np.arange(len(corners))[shown][np.nonzero(seen)[0]]
@@ -226,7 +236,9 @@ def elevation_picture(history, sample="max", magnify=None):
     sample: "max" (of the largest index of a wall), "end" or an index into the series; magnify:
     factor on displacements and rotations, None for one that makes them visible.
     """
-    space, placing, house = InSpace(history), history.placing, history.house
+    space = InSpace(history)
+    placing = history.placing
+    house = history.house
     sample, damage, snapshot = moment_of(history, sample)
     magnify = magnification(space, [snapshot]) if magnify is None else magnify
     span = np.array([sum(placing.length + 0.3), space.boxes[..., 2].max()])
@@ -242,7 +254,8 @@ def elevation_picture(history, sample="max", magnify=None):
             lines, _ = cracks(space, sample, snapshot, magnify, on_face)
             more = corner_cracks(space, number, sample, snapshot, magnify)
             lines = [np.concatenate(both) for both in zip(lines, more)]
-            drawn, shown = ax.add_collection(PolyCollection([])), eye.in_band(space.boxes)
+            drawn = ax.add_collection(PolyCollection([]))
+            shown = eye.in_band(space.boxes)
             draw(drawn, history, eye, corners, lines, widest_pt, shown)
             run.show_all(ax, eye.project(corners[history.house.body_wall == number]))
             if sign > 0:
@@ -262,9 +275,11 @@ class Perspective:
     """Axes with a house in perspective: `show` draws a moment from an azimuth [deg]."""
 
     def __init__(self, ax, history, page_pt):
-        self.space, placing = InSpace(history), history.placing
+        self.space = InSpace(history)
+        placing = history.placing
         places = self.space.boxes.reshape(-1, 3)
-        self.low, self.high = places.min(axis=0), places.max(axis=0)
+        self.low = places.min(axis=0)
+        self.high = places.max(axis=0)
         self.middle = (self.low + self.high) / 2
         self.radius = float(np.linalg.norm(self.high - self.low) / 2)
         outside = placing.sign_of("outside")[0] * placing.axes[0, 1]
@@ -278,7 +293,8 @@ class Perspective:
 
     def show(self, sample, snapshot, magnify, azimuth=None):
         """Draw a sample and snapshot, with displacements by a factor."""
-        history, house = self.space.history, self.space.history.house
+        history = self.space.history
+        house = self.space.history.house
         azimuth = self.azimuth if azimuth is None else azimuth
         eye = Eye(azimuth, self.middle, self.radius)
         on_face = (house.joint_wall >= 0) & (np.abs(house.joint_y_m) > TINY)
@@ -295,7 +311,8 @@ class Perspective:
     def _around(self, share):
         """Corners of a box with a margin, the lower ones first, (8, 3) [m]."""
         margin = share * self.radius
-        low, high = self.low - margin, self.high + margin
+        low = self.low - margin
+        high = self.high + margin
         return np.array(
             [
                 (x, y, z)
@@ -310,7 +327,8 @@ class Perspective:
         width."""
         around = self._around(0.15)
         seen = [Eye(one, self.middle, self.radius).project(around) for one in azimuths]
-        low, high = np.min(seen, axis=(0, 1)), np.max(seen, axis=(0, 1))
+        low = np.min(seen, axis=(0, 1))
+        high = np.max(seen, axis=(0, 1))
         self.ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         return (high[1] - low[1]) / (high[0] - low[0])
 
@@ -344,7 +362,8 @@ def space_picture(history, sample="max", magnify=None, azimuth=None):
 def walls_picture(history):
     """Figure over time: damage index, drift along and across each wall, opening of the corners."""
     check_samples(history)
-    walls, corners = walls_table(history), corners_table(history)
+    walls = walls_table(history)
+    corners = corners_table(history)
     panels = [
         (walls, "wall", "DI", 1.0, "DI [-]", "damage index"),
         (walls, "wall", "drift_ratio", 100.0, "drift [%]", "drift along the wall"),

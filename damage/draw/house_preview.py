@@ -31,8 +31,10 @@ def preview(layout):
 def house_preview(layout):
     """Figure of a house before it is run: its plan, with corners and the direction of the motion,
     and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
-    house, handles = layout.house, {}
-    walls, n = [one.wall for one in house.bearing], layout.n_joints
+    house = layout.house
+    handles = {}
+    walls = [one.wall for one in house.bearing]
+    n = layout.n_joints
     concrete = [one for one in house.floors if one.kind == "concrete"]
     concrete.sort(key=lambda floor: floor.level)
     lengths = [wall.length for wall in walls]
@@ -43,7 +45,9 @@ def house_preview(layout):
     figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
     cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
     handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
-    bodies, joints, middle = body_table(layout), joint_table(layout), np.abs(layout.y[:n]) < TINY
+    bodies = body_table(layout)
+    joints = joint_table(layout)
+    middle = np.abs(layout.y[:n]) < TINY
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
         on_wall = middle & (layout.joint_wall[:n] == number)
@@ -81,7 +85,8 @@ def _area(span):
 def _draw_plan(ax, house):
     """Draw the plan of a house; returns {label: handle} of a legend."""
     corners = np.array([one.corners for one in house.walls])
-    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    low = corners.min(axis=(0, 1))
+    high = corners.max(axis=(0, 1))
     found = {}
     for floor in house.floors:
         found |= _draw_floor(ax, house, floor)
@@ -92,7 +97,8 @@ def _draw_plan(ax, house):
         found |= _draw_ties(ax, house, ties)
     for corner in house.corners:
         found |= _draw_corner(ax, house, corner)
-    turn, middle = np.radians(house.heading), (low + high) / 2
+    turn = np.radians(house.heading)
+    middle = (low + high) / 2
     way = 0.15 * np.ptp(corners[..., 0]) * np.array([np.cos(turn), np.sin(turn)])
     ax.annotate("", middle + way, middle - way, arrowprops=ARROW | {"color": style.BLUE})
     ax.text(*middle, "motion", color=style.BLUE, ha="center", va="center", bbox=PAPER)
@@ -110,7 +116,8 @@ def _draw_plan(ax, house):
 
 
 def _draw_floor(ax, house, floor):
-    carrying, colour = house.carrying(floor), FLOORS[floor.kind]
+    carrying = house.carrying(floor)
+    colour = FLOORS[floor.kind]
     spans = floor.spans(carrying) if floor.kind == "timber" else []
     for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
         (x0, y0), (x1, y1) = area
@@ -121,7 +128,8 @@ def _draw_floor(ax, house, floor):
 
 def _draw_wall(ax, placed):
     """Draw the openings in the plan, the name and the direction of a Placed wall."""
-    (along, across), wall = placed.axes[:2, :2], placed.wall
+    (along, across) = placed.axes[:2, :2]
+    wall = placed.wall
     half = across * wall.brick.thickness / 2
     for opening in wall.openings:
         if opening.sill <= SECTION_M < opening.sill + opening.height:
@@ -147,6 +155,7 @@ def _draw_corner(ax, house, corner):
     one, other = (house.walls[house.names.index(name)] for name in corner.walls)
     axes = np.array([one.axes[0, :2], -other.axes[0, :2]]).T
     way = np.linalg.solve(axes, np.subtract(other.origin, one.origin))[0]
-    place, mark = one.origin + way * one.axes[0, :2], MARKS[corner.kind]
+    place = one.origin + way * one.axes[0, :2]
+    mark = MARKS[corner.kind]
     ax.plot(*place, mark, color=style.VERMILLION, ms=4)
     return {corner.kind: style.mark_handle(mark, f"{corner.kind} corner")}

@@ -41,7 +41,8 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
     """Draw a wall as of `wall_preview` into axes, in true scale; returns handles of a legend, and
     the height over the width of the axes."""
     wall = plan.wall
-    corners, kinds = body_corners(bodies), kinds_of_bodies(bodies["course"])
+    corners = body_corners(bodies)
+    kinds = kinds_of_bodies(bodies["course"])
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
     for kind, face in style.BODY_COLOURS.items():
         style.add_bodies(ax, corners[kinds == kind], face, _edge(kind))
@@ -73,7 +74,8 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
     _size_openings(ax, plan)
     _name_parts(ax, plan)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
-    highest, margin = points[:, 1].max(), 0.03 * max(wall.length, points[:, 1].max())
+    highest = points[:, 1].max()
+    margin = 0.03 * max(wall.length, points[:, 1].max())
     ax.set(
         xlim=(-margin, wall.length + margin),
         ylim=(-depth, highest + 1.5 * margin),
@@ -195,7 +197,8 @@ def modes_picture(layout, modes):
     layout: damage.wall.layout.Layout; modes: damage.linear.modes.Modes of it.
     """
     n = len(modes.period_s)
-    rows, ratio = -(-n // 2), layout.wall.built_height / layout.wall.length
+    rows = -(-n // 2)
+    ratio = layout.wall.built_height / layout.wall.length
     size = 2 * style.COLUMN_WIDTH, rows * (style.COLUMN_WIDTH * ratio + 0.25)
     figure = Figure(figsize=size, layout="constrained")
     for number, ax in enumerate(figure.subplots(rows, 2, squeeze=False).ravel()):

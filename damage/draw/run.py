@@ -147,7 +147,8 @@ def heap_picture(history):
             " --after-fall whose wall fell; run it again with both"
         )
     motion = history.displacement[-1].astype(float)
-    before, now = body_corners(history.bodies), body_corners(history.bodies, motion)
+    before = body_corners(history.bodies)
+    now = body_corners(history.bodies, motion)
     kinds = kinds_of_bodies(history.bodies["course"])
     figure, ax = style.new_figure(1.0)
     layers = [
@@ -226,9 +227,12 @@ def contact_force_picture(history, moment="max"):
 
     InputError where the run kept no stresses.
     """
-    (sample,), bodies = choose_samples(history, [moment]), history.bodies
-    force, place = contact_forces(history, sample), history.joints[["x_m", "z_m"]].to_numpy()
-    corners, kinds = body_corners(bodies), kinds_of_bodies(bodies["course"])
+    (sample,) = choose_samples(history, [moment])
+    bodies = history.bodies
+    force = contact_forces(history, sample)
+    place = history.joints[["x_m", "z_m"]].to_numpy()
+    corners = body_corners(bodies)
+    kinds = kinds_of_bodies(bodies["course"])
     figure, ax = _figure_of_bodies(corners, kinds)
     size = np.hypot(*force.T)
     largest = max(size.max(), 1.0)
@@ -279,7 +283,8 @@ def _draw_thrust(ax, history, moment):
     for part, left, right, is_bed, across, _ in sections(history):
         row = table.loc[part, across]
         inside = abs(row["eccentricity_m"]) <= row["length_m"] / 2
-        middle, along = np.array([(left + right) / 2, across]), np.array([1.0, 0.0])
+        middle = np.array([(left + right) / 2, across])
+        along = np.array([1.0, 0.0])
         middle, along = (middle, along) if is_bed else (middle[::-1], along[::-1])
         third = KERN * row["length_m"] * along
         thrust = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) if inside else np.full(2, np.nan)
@@ -294,7 +299,8 @@ def _draw_thrust(ax, history, moment):
 def draw_wall(ax, shape):
     """Draw a WallShape in true scale; returns height over width of the axes."""
     for kind, colour in style.BODY_COLOURS.items():
-        corners, edge = shape.corners[shape.kinds == kind], "0.75"
+        corners = shape.corners[shape.kinds == kind]
+        edge = "0.75"
         edge = colour if kind == "lintels" else edge
         style.add_bodies(ax, corners, colour, edge, 0.2, label=kind, zorder=1)
     for layer, state in enumerate(DRAWN, start=2):
@@ -323,9 +329,11 @@ def show_all(ax, *corners, ground=True):
     """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for;
     returns their height over width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])
-    low, high = points.min(axis=0), points.max(axis=0)
+    low = points.min(axis=0)
+    high = points.max(axis=0)
     margin = 0.02 * (high - low).max()
-    low, high = np.minimum(low, 0) - margin, high + margin
+    low = np.minimum(low, 0) - margin
+    high = high + margin
     if ground:
         ax.axhspan(low[1], 0, facecolor=style.GROUND_COLOUR, lw=0, zorder=0)
     ax.set(
@@ -453,7 +461,8 @@ def _draw_drive(ax, history, time_s):
 
 def _draw_index(ax, index, latched):
     """Draw DI and its components with two slip criteria; returns the lines in legend order."""
-    time_s, lines = index["time_s"], []
+    time_s = index["time_s"]
+    lines = []
     for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
         lines += ax.plot(
             time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$"
@@ -510,7 +519,8 @@ def hysteresis_picture(history):
     figure, ax = style.new_figure(2.4)
     drift, unit = style.scaled_drift(history)
     shear_kn = history.series["base_shear_n"].to_numpy() / 1e3
-    stage, pushed = history.series["stage"].to_numpy(), is_pushed(history)
+    stage = history.series["stage"].to_numpy()
+    pushed = is_pushed(history)
     ax.axhline(0, color=style.LIGHT, lw=0.6, zorder=0)
     ax.axvline(0, color=style.LIGHT, lw=0.6, zorder=0)
     for name, colour, width, layer in (
@@ -652,7 +662,8 @@ def has_sequence(history):
 def sequence_picture(history):
     """Figure over time: base acceleration; below, a step an event: Psi and DI, largest and
     residual; largest offset of the joints at rest; newly failed contact points."""
-    table, series = shocks_table(history), history.series
+    table = shocks_table(history)
+    series = history.series
     figure, (base, psi, index, offset, failed) = style.new_figure(
         2.0 * style.COLUMN_WIDTH, 5, sharex=True
     )

@@ -57,11 +57,20 @@ _LAYERS = ["default", STYLE]
 """Styles in which pictures are drawn, each over those before it."""
 # Okabe and Ito's palette, which is safe for colour-blind readers.  Orange, blue and black, for what
 # opened, slipped and both, also differ in grey.
-BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
-LIGHT, MEDIUM, DARK = "0.91", "0.6", "0.35"
+BLACK = "#000000"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+GREEN = "#009E73"
+BLUE = "#0072B2"
+VERMILLION = "#D55E00"
+PURPLE = "#CC79A7"
+LIGHT = "0.91"
+MEDIUM = "0.6"
+DARK = "0.35"
 SAND = "#f3e6c8"
-BRICK_COLOUR, CAP_COLOUR, GROUND_COLOUR = "0.96", "0.75", "0.85"
+BRICK_COLOUR = "0.96"
+CAP_COLOUR = "0.75"
+GROUND_COLOUR = "0.85"
 BODY_COLOURS = {
     "bricks": BRICK_COLOUR,
     "masses": CAP_COLOUR,

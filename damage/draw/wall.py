@@ -35,7 +35,8 @@ COLUMN_PT = 205, 340
 """Largest width and height of a wall in a picture of one column, without labels [pt]."""
 SUPPORT_DEPTH = 0.1  # [m], drawn depth of supports that move
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
-THINNEST_PT, WIDEST_PT = 0.3, 4.5
+THINNEST_PT = 0.3
+WIDEST_PT = 4.5
 """Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where
 bricks are large."""
 SHARE_OF_BRICK = 0.5

@@ -77,7 +77,8 @@ def station_of(name):
 def run_title(history):
     """Text: the wall and the motion of a History, as "Symmetric wall, harmonic motion of 0.2 s and
     0.05 g, three cycles"."""
-    motion, events = motion_words(history.loading), counted(len(history.sequence), "event")
+    motion = motion_words(history.loading)
+    events = counted(len(history.sequence), "event")
     if "motions" in history.parameters:
         records = {loading.horizontal.get("record") for loading in history.event_loadings}
         motion = f"sequence of {events}, {counted(len(records), 'record')}"
@@ -163,10 +164,8 @@ def motion_words(loading):
 
 
 def _top_words(loading):
-    drifts, top = (
-        ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct),
-        _TOPS[loading.boundary],
-    )
+    drifts = ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct)
+    top = _TOPS[loading.boundary]
     at = ", ".join(f"{share:g} at {level:g} m" for level, share in loading.floor_shares)
     what, top = (f"floors ({at})", "forces in this ratio") if at else ("top", top)
     if loading.cycles == 0:

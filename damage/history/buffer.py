@@ -36,7 +36,8 @@ class Buffer:
             name: np.zeros((CHUNK, layout.n_joints), column.dtype)
             for name, column in schema.FRAMES.items()
         }
-        self._count, self._n_active = 0, len(active)
+        self._count = 0
+        self._n_active = len(active)
         # of each contact point in the frames, once it is active
         self._column = np.full(layout.n_joints, -1)
         self._column[list(active)] = range(len(active))
@@ -59,12 +60,14 @@ class Buffer:
         first = 0
         while first < count:
             stop = min(count, first + CHUNK - self._count)
-            taken, given = slice(first, stop), slice(self._count, self._count + stop - first)
+            taken = slice(first, stop)
+            given = slice(self._count, self._count + stop - first)
             for name, values in contacts.items():
                 self._frames[name][given, places] = values[taken]
             for path, values in columns.items():
                 self._blocks[path].append(np.array(values[taken], schema.COLUMNS[path].dtype))
-            self._count, first = given.stop, stop
+            self._count = given.stop
+            first = stop
             if self._count == CHUNK:
                 self.flush()
 

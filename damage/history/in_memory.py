@@ -32,10 +32,15 @@ class Memory:
     keeps_state = False
 
     def __init__(self, path, layout, attributes, new_file=None):
-        self.path, self.where = path, f"in memory, and in {path} should the run fail"
-        self._layout, self.attributes, self._new_file = layout, attributes, new_file
+        self.path = path
+        self.where = f"in memory, and in {path} should the run fail"
+        self._layout = layout
+        self.attributes = attributes
+        self._new_file = new_file
         self._counts = dict.fromkeys(schema.GROWING, 0)
-        self._values, self._n_bytes, self._file = {}, 0, None
+        self._values = {}
+        self._n_bytes = 0
+        self._file = None
         self._parts = []
 
     @property
@@ -78,7 +83,8 @@ class Memory:
             self._outgrow()
         if self._file is not None:
             self._file.finish(status, collapsed_at_s)
-        self._status, self._collapsed_at_s = status, collapsed_at_s
+        self._status = status
+        self._collapsed_at_s = collapsed_at_s
 
     def _outgrow(self):
         if self._new_file:

@@ -21,7 +21,8 @@ class InSpace:
     @cached_property
     def centres(self):
         """Of the bodies, then of the ground, (n_bodies + 1, 3) [m]."""
-        bodies, house = self.history.bodies, self.history.house
+        bodies = self.history.bodies
+        house = self.history.house
         local = np.column_stack([bodies["x_m"], house.body_y_m, bodies["z_m"]])
         found = self.history.placing.in_house(house.body_wall, local[:, None])[:, 0]
         return np.vstack([found, np.zeros(3)])
@@ -29,7 +30,8 @@ class InSpace:
     @cached_property
     def boxes(self):
         """Corners of the bodies at rest, (n_bodies, 8, 3) [m], as of BOX."""
-        bodies, house = self.history.bodies, self.history.house
+        bodies = self.history.bodies
+        house = self.history.house
         half = np.column_stack([bodies["length_m"], house.body_depth_m, bodies["height_m"]]) / 2
         turned = self.history.placing.turned(house.body_wall, half[:, None] * BOX)
         return self.centres[:-1, None] + turned
@@ -42,7 +44,8 @@ class InSpace:
     @cached_property
     def joint_ends(self):
         """Ends of the tributary length of each contact point at rest, (n_joints, 2, 3) [m]."""
-        joints, house = self.history.joints, self.history.house
+        joints = self.history.joints
+        house = self.history.house
         ends = tributary_ends(joints)
         y = np.broadcast_to(house.joint_y_m[:, None], ends.shape[:2])
         # a place between two walls is that in the first of them
@@ -82,5 +85,6 @@ class InSpace:
 
     def ends(self, snapshot, magnify=1.0, joints=slice(None)):
         """Ends of contact points in a snapshot, half way between both bodies, (n, 2, 3) [m]."""
-        bodies, places = self.joint_bodies[joints], self.joint_ends[joints]
+        bodies = self.joint_bodies[joints]
+        places = self.joint_ends[joints]
         return sum(self.moved(body, places, snapshot, magnify) for body in bodies.T) / 2

@@ -9,7 +9,10 @@ from damage.motion.intensity import APPLIED
 from damage.provenance import UNKNOWN, shown_path
 from damage.wall.as_built import caps, describe_cap
 
-WHOLE, ENDED_EARLY, OPEN, DAMAGED = "whole", "ended early", "open", "damaged"
+WHOLE = "whole"
+ENDED_EARLY = "ended early"
+OPEN = "open"
+DAMAGED = "damaged"
 WORTH = {
     WHOLE: "complete, and byte for byte as its run sealed it",
     ENDED_EARLY: "as its run left it, which did not come to its end",
@@ -38,7 +41,8 @@ def check(path):
     """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s",
     "says"}."""
     try:
-        history, head = read_history(path), read_head(file_of(path))
+        history = read_history(path)
+        head = read_head(file_of(path))
     except InputError as error:
         unknown = dict.fromkeys(("status", "samples", "until_s"))
         return {"file": str(path), "worth": DAMAGED, **unknown, "says": str(error)}
@@ -93,7 +97,8 @@ def origin(history):
 def info(history):
     """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results",
     those that follow from other parameters."""
-    top, joints = history.bodies[history.bodies["course"] == -1], history.joints
+    top = history.bodies[history.bodies["course"] == -1]
+    joints = history.joints
     thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
     return {
         "file": shown_path(history.path),

@@ -66,10 +66,12 @@ def wall_of(history, name):
 
 
 def _of_wall(history, name, number):
-    walls, house = history.parameters["house"]["walls"], history.house
+    walls = history.parameters["house"]["walls"]
+    house = history.house
     wall, left, height = (walls[number][key] for key in ("wall", "left_m", "drift_height_m"))
     outside = int(history.placing.sign_of("outside")[number])
-    body, joint = house.body_wall == number, house.joint_wall == number
+    body = house.body_wall == number
+    joint = house.joint_wall == number
     new_body = np.cumsum(body) - 1
     part = _with_joints(history, joint)
     joints = part.joints.assign(x_m=part.joints["x_m"] - left)
@@ -77,7 +79,9 @@ def _of_wall(history, name, number):
         joints[end] = np.where(joints[end] < 0, joints[end], new_body[joints[end]])
     top = house.top_displacement_m[:, number]
     supports, moved, below = _ground_of(history, number)
-    first, own = joints["first_body"], -np.cumsum(below)  # -1 is the first
+    # -1 is the first
+    first = joints["first_body"]
+    own = -np.cumsum(below)
     joints["first_body"] = np.where(first < 0, own[np.maximum(-1 - first, 0)], first)
     return replace(
         part,
@@ -107,8 +111,10 @@ def _ground_of(history, number):
     rad], and which of those of the house they are."""
     if len(history.supports) == 1:
         return history.supports, history.support_displacement, np.array([True])
-    placing, turn = history.placing, np.radians(history.parameters["house"]["heading"])
-    left, length = placing.left[number], placing.length[number]
+    placing = history.placing
+    turn = np.radians(history.parameters["house"]["heading"])
+    left = placing.left[number]
+    length = placing.length[number]
     at = history.supports[["left_m", "right_m"]].mean(axis=1)
     own = ((at > left) & (at < left + length)).to_numpy()
     facing = placing.axes[number, 0] @ [np.cos(turn), np.sin(turn), 0.0]
@@ -134,9 +140,11 @@ def face_of(history, face):
 
 def _with_joints(history, kept):
     """The History with these joints alone, (n_joints,) bool."""
-    joints, events = history.joints[kept].reset_index(drop=True), history.events
+    joints = history.joints[kept].reset_index(drop=True)
+    events = history.events
     events = events[kept[events["joint"]]].reset_index(drop=True)
-    new, active = np.cumsum(kept) - 1, kept[history.contacts.joints]
+    new = np.cumsum(kept) - 1
+    active = kept[history.contacts.joints]
     contacts = Contacts(*(values[..., active] for values in history.contacts))
     stress = history.joint_stress_pa
     return replace(
@@ -152,15 +160,18 @@ def _with_joints(history, kept):
 def _with_slabs_in(history, number):
     """The History of a house with the concrete floors that this wall carries as bodies of it: in
     the middle of its length, moved as the floor is there for small rotations."""
-    house, placing = history.house, history.placing
+    house = history.house
+    placing = history.placing
     ends = history.joints[["first_body", "second_body"]].to_numpy()
     of_joint = np.repeat(house.joint_wall[:, None], 2, axis=1)
     other = (ends >= 0) & (of_joint >= 0) & (house.body_wall[ends] != of_joint)
     slabs = np.intersect1d(ends[other], ends[of_joint == number])
     if len(slabs) == 0:
         return history
-    bodies, body_wall = history.bodies.copy(), house.body_wall.copy()
-    moved, across = history.displacement.copy(), house.out_of_plane.copy()
+    bodies = history.bodies.copy()
+    body_wall = house.body_wall.copy()
+    moved = history.displacement.copy()
+    across = house.out_of_plane.copy()
     middle = placing.left[number] + placing.length[number] / 2
     for slab in slabs:
         own = [house.body_wall[slab]]
@@ -174,11 +185,13 @@ def _with_slabs_in(history, number):
             for one in ((along, aside, up), (about_x, -turned, about_z))
         )
         to_wall = placing.axes[number].T
-        shift, turns = (shift + np.cross(turns, arm)) @ to_wall, turns @ to_wall
+        shift = (shift + np.cross(turns, arm)) @ to_wall
+        turns = turns @ to_wall
         moved[:, slab] = np.column_stack([shift[:, 0], shift[:, 2], -turns[:, 1]])
         across[:, slab] = np.column_stack([shift[:, 1], turns[:, 0], turns[:, 2]])
     body_wall[slabs] = number
-    bodies.loc[slabs, "x_m"], bodies.loc[slabs, "length_m"] = middle, placing.length[number]
+    bodies.loc[slabs, "x_m"] = middle
+    bodies.loc[slabs, "length_m"] = placing.length[number]
     return replace(
         history,
         bodies=bodies,

@@ -108,7 +108,8 @@ class History:
             ("run", _end_of(self)),
         ]
         if len(self.series):
-            index, drift = self.index()["DI"], self.series["drift_ratio"].abs().max()
+            index = self.index()["DI"]
+            drift = self.series["drift_ratio"].abs().max()
             residual = f", residual {index.iloc[-1]:.3f}" if self.complete else ""
             rows += [
                 ("damage index", f"maximum {index.max():.3f}{residual}"),
@@ -220,7 +221,8 @@ class History:
     def check_one_layer(self):
         """Raise InputError of a wall of a house, which has other cracks at each of its faces."""
         if "share" in self.joints:
-            stem, suffix = self.path.stem, self.path.suffix
+            stem = self.path.stem
+            suffix = self.path.suffix
             place = stem if not self.is_house else f"{stem}:{self.placing.names[0]}"
             raise InputError(
                 f"{self.path} has cracks of its own at each face: expected one face of a wall, as"
@@ -447,7 +449,8 @@ def _decode(frame, column, names):
 
 def _end_of(history):
     """The status, when the wall collapsed, where it did, and how many samples there are."""
-    fell, time_s = history.collapsed_at_s, history.series["time_s"]
+    fell = history.collapsed_at_s
+    time_s = history.series["time_s"]
     collapse = "" if fell is None else f", collapsed at {fell:.3f} s"
     last = f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else ""
     return f"{history.status}{collapse}, {len(time_s)} samples{last}"

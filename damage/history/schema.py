@@ -22,7 +22,8 @@ def each(columns):
     """
     found = {}
     for several, column in columns.items():
-        singles, units = several.split(", "), column.unit.split(", ")
+        singles = several.split(", ")
+        units = column.unit.split(", ")
         units = units if len(units) == len(singles) else [column.unit] * len(singles)
         found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
     return found
@@ -46,7 +47,8 @@ def measure(columns):
             found = (None,) * len(named) if found is None else found if len(named) > 1 else (found,)
             return dict(zip(named, found, strict=True))
 
-        values.columns, values.arguments = columns, tuple(signature(function).parameters)
+        values.columns = columns
+        values.arguments = tuple(signature(function).parameters)
         return values
 
     return with_names

@@ -46,7 +46,9 @@ class File:
     keeps_state = True
 
     def __init__(self, path, layout, attributes, overwrite=False):
-        self.path, self.where, self.attributes = Path(path), str(path), attributes
+        self.path = Path(path)
+        self.where = str(path)
+        self.attributes = attributes
         with self._writing():
             self._file = _create_file(self.path, overwrite)
             write_head(
@@ -303,7 +305,10 @@ def _write_fixed(file, layout, attributes):
 
 def layout_tables(layout):
     """The joints, bodies and supports, which do not change during a run: {"GROUP/NAME": array}."""
-    points, bodies, supports, n = layout.contacts, layout.bodies, layout.supports, layout.n_joints
+    points = layout.contacts
+    bodies = layout.bodies
+    supports = layout.supports
+    n = layout.n_joints
     joints = (
         points.kind.astype("u1"),
         points.first,
@@ -373,7 +378,8 @@ def _create_growing(file, layout, parameters):
     }
     for group in schema.GROWING:
         file.create_group(group)
-    made, columns = {}, min(_COLUMNS, layout.n_joints)
+    made = {}
+    columns = min(_COLUMNS, layout.n_joints)
     for path, (column, shape) in growing_columns(layout, parameters).items():
         rows = chunks.get(path.partition("/")[0], CHUNK)
         made[path] = file.create_dataset(

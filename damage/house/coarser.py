@@ -68,8 +68,10 @@ def coarser(wall, along, up):
 def _equivalent(wall, along, up, stiffness, modulus, size):
     """{field of Joint: stiffness, field of Brick: modulus} of the units; up: in courses, not
     always a whole number."""
-    brick, joint = wall.brick, 1 / getattr(wall.joint, stiffness)
-    of_brick, least = 1 / getattr(brick, modulus), 1e-3
+    brick = wall.brick
+    joint = 1 / getattr(wall.joint, stiffness)
+    of_brick = 1 / getattr(brick, modulus)
+    least = 1e-3
     if math.isclose(along, up):
         return {stiffness: 1 / (along * joint), modulus: 1 / of_brick}
     excess = along * brick.length - up * brick.height

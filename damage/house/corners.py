@@ -16,13 +16,15 @@ def makes_room_for(layout, one, other, kind):
     """The body of another wall for which each makes room (n_bodies,), GROUND of those that stay;
     kind: of their corner, None without one."""
     dropped = np.full(len(layout.bodies), GROUND)
-    house, walls = layout.house, layout.house.walls
+    house = layout.house
+    walls = layout.house.walls
     where = f"house {house.name}, walls {house.names[one]} and {house.names[other]}"
     if abs(walls[one].axes[0] @ walls[other].axes[0]) > TINY:
         return dropped
     low, high, i, j, _ = _common(layout, one, other)
     least = (high - low).min(axis=1)  # below zero: by what two are apart
-    nearest, overlap = least.argmax(), least > TINY
+    nearest = least.argmax()
+    overlap = least > TINY
     place = ((low + high)[nearest] / 2) @ walls[one].axes
     at = "at ({:.3f}, {:.3f}, {:.3f}) m".format(*place)
     if kind is None and least[nearest] > -TINY:
@@ -53,7 +55,8 @@ def with_loads(layout, making_room):
     more = np.bincount(making_room[gone], loads[gone], len(bodies))
     more[more < TINY] = 0.0
     factor = 1 + more / bodies.mass
-    mass, inertia = to_bits(bodies.mass * factor), to_bits(bodies.inertia * factor)
+    mass = to_bits(bodies.mass * factor)
+    inertia = to_bits(bodies.inertia * factor)
     return replace(
         layout,
         bodies=replace(bodies, mass=mass, inertia=inertia),
@@ -72,7 +75,9 @@ def joined_at(layout, one, other):
         return min(getattr(getattr(wall, part), name) for wall in walls)
 
     low, high, i, j, apart = _common(layout, one, other)
-    axes, span, found = layout.house.walls[one].axes, high - low, []
+    axes = layout.house.walls[one].axes
+    span = high - low
+    found = []
     bricks = np.maximum(i, j) < layout.n_bricks
     for normal in range(3):
         u, v = (k for k in range(3) if k != normal)
@@ -93,7 +98,8 @@ def joined_at(layout, one, other):
             ("shear_stiffness", "shear_modulus"),
         )
     ]
-    kind, n = np.where(normal == 2, BED, HEAD), layout.n_joints
+    kind = np.where(normal == 2, BED, HEAD)
+    n = layout.n_joints
     points = Points(kind, first, second, place, turned, distance / 2, area, *stiffness)
     strength = least("joint", "tensile_strength"), least("joint", "cohesion"), np.inf
     return replace(with_points(layout, n, points, one, strength), n_joints=n + len(first))
@@ -104,7 +110,8 @@ def _common(layout, one, other):
     lowest and highest corners (n_pairs, 3) [m], turned inside out where two are apart, both bodies
     (n_pairs,), and the centres' distances (n_pairs, 3)."""
     low, high = boxes(layout, one)
-    centre, own = (low + high) / 2, layout.depth < layout.wall.brick.thickness + TINY
+    centre = (low + high) / 2
+    own = layout.depth < layout.wall.brick.thickness + TINY
     i, j = (np.flatnonzero((layout.body_wall == number) & own) for number in (one, other))
     i, j = (index.ravel() for index in np.meshgrid(i, j, indexing="ij"))
     common = np.maximum(low[i], low[j]), np.minimum(high[i], high[j])

@@ -44,7 +44,8 @@ class Range(NamedTuple):
         """The factor that a seed draws."""
         draws = Draws(seed)
         if self.cov is None:
-            low, high = log(self.low), log(self.high)
+            low = log(self.low)
+            high = log(self.high)
             return float(to_bits(exp(low + (high - low) * draws.uniform(1)[0])))
         spread = log(1.0 + self.cov * self.cov) ** 0.5
         return float(to_bits(exp(spread * draws.normal(1)[0] - spread * spread / 2)))

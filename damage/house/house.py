@@ -324,7 +324,8 @@ def _check_masonry(house, wall):
 def _check_floor(house, floor):
     """Refuse a floor on walls that are not there, or do not lie as its kind needs."""
     what = f"house {house.name}, floor at {floor.level:g} m"
-    walls, names = house.carrying(floor), ", ".join(house.names)
+    walls = house.carrying(floor)
+    names = ", ".join(house.names)
     if not set(floor.walls) <= set(house.names) or len(walls) < 1 + (floor.kind == "timber"):
         raise InputError(
             f"{what} on walls {list(floor.walls)}: expected"
@@ -377,7 +378,8 @@ def _tables(path, given):
 
 def _placed(path, number, table):
     """The Placed wall of a table [[walls]]."""
-    file, name = table.pop("file", None), table.pop("name", None)
+    file = table.pop("file", None)
+    name = table.pop("name", None)
     if not isinstance(file, str):
         raise InputError(
             f"{path}, [[walls]] {number}: file = {file!r}: expected a wall's file beside this one,"

@@ -41,7 +41,8 @@ from damage.wall.model_options import ModelOptions
 
 GAP_M = 0.5
 """Between two walls that are unfolded."""
-JOIST_PA, JOIST_M2 = 9e9, 0.075 * 0.2
+JOIST_PA = 9e9
+JOIST_M2 = 0.075 * 0.2
 """Modulus of the timber of anchored joists, C18 of EN 338, and their section."""
 
 
@@ -114,7 +115,8 @@ def _beside(parts, left):
     first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
     has_one = parts[0].options.supports == "one"
     below = np.append(0, np.cumsum([0 if has_one else len(part.supports) for part in parts]))
-    bodies, contacts = [], []
+    bodies = []
+    contacts = []
     for part, start, offset, ground in zip(parts, left, first_body, below):
         table = part.contacts
         first = np.where(table.first < 0, table.first - ground, table.first + offset)
@@ -149,7 +151,8 @@ def _together(house, parts):
     """The HouseLayout of walls beside each other, three contact points through the thickness."""
     lengths = np.array([part.wall.length for part in parts])
     left = np.append(0.0, np.cumsum(lengths + GAP_M))[:-1]
-    thickness, n_rows = house.masonry.brick.thickness, len(THROUGH)
+    thickness = house.masonry.brick.thickness
+    n_rows = len(THROUGH)
     walls = _beside(parts, left)
     n_points = len(walls.contacts)
     table = taken(walls.contacts, np.repeat(np.arange(n_points), n_rows))
@@ -198,7 +201,8 @@ def _together(house, parts):
 def _axes(house, joint_wall, upright):
     """Axes of contact points of these walls (n_contacts, 3, 3); upright: (n_contacts, 1)."""
     along, across, up = np.array([one.axes for one in house.walls])[joint_wall].transpose(1, 0, 2)
-    normal, tangent = np.where(upright, along, up), np.where(upright, up, along)
+    normal = np.where(upright, along, up)
+    tangent = np.where(upright, up, along)
     return np.stack([normal, tangent, across], axis=1)
 
 
@@ -251,13 +255,16 @@ def _below_slab(part):
 
 def _with_slab(layout, floor):
     """The HouseLayout with the strips of a concrete floor as one body."""
-    bodies, contacts, house = layout.bodies, layout.contacts, layout.house
+    bodies = layout.bodies
+    contacts = layout.contacts
+    house = layout.house
     walls = house.carrying(floor)
     strip = Floor(floor.level, 1.0, kind="concrete", depth=floor.depth)
     z = sum(strip.courses(walls[0].wall)) / 2 * layout.wall.brick.height
     strips = (bodies.course == SLAB_COURSE) & (np.abs(bodies.z - z) < TINY)
     strips &= np.isin(layout.body_wall, [house.walls.index(one) for one in walls])
-    slab, number = np.flatnonzero(strips)[0], house.walls.index(walls[0])
+    slab = np.flatnonzero(strips)[0]
+    number = house.walls.index(walls[0])
     low, high = outline(walls)
     length, across = high - low
     x, y = (low + high) / 2 - walls[0].axes[:2, :2] @ walls[0].origin
@@ -336,7 +343,9 @@ def _with_bars(layout):
 def _bars(layout):
     """(words of what has to be somewhere, [(Span, share of it, height [m], stiffness [N/m],
     strength in tension and compression [N])]) of each floor and of all Ties."""
-    house, height, found = layout.house, layout.wall.brick.height, []
+    house = layout.house
+    height = layout.wall.brick.height
+    found = []
     for floor in house.floors:
         z = (round(floor.level / height) - 0.5) * height
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
@@ -344,7 +353,8 @@ def _bars(layout):
             own = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
             found.append(("", [(span, (one + 0.5) / n, *own) for one in range(n)]))
     for ties in house.ties:
-        span, own = ties.span(house), (ties.stiffness, ties.tension, ties.compression)
+        span = ties.span(house)
+        own = (ties.stiffness, ties.tension, ties.compression)
         bars = [(span, *place, *own) for place in ties.places(span)]
         found.append((f"ties of {' and '.join(ties.walls)}", bars))
     return found
@@ -353,7 +363,8 @@ def _bars(layout):
 def _bar(layout, span, share, z):
     """[(both bodies, place and axes of the bar)] at this share of a Span and height [m], none where
     it ends in an opening."""
-    bodies, found = layout.bodies, []
+    bodies = layout.bodies
+    found = []
     on_course = (np.abs(bodies.z - z) < bodies.height / 2 + TINY) & (bodies.course != SLAB_COURSE)
     for wall, along in zip((span.one, span.other), span.along_at(share)):
         number = layout.house.walls.index(wall)

@@ -94,7 +94,8 @@ def _open_corners(walls, kinds):
 def _way_to(one, other, kind):
     """The shortest way in plan (2,) [m] of the second of two Placed walls at right angles to a
     corner of this kind."""
-    axes, half = one.axes[:2, :2], one.wall.brick.thickness / 2
+    axes = one.axes[:2, :2]
+    half = one.wall.brick.thickness / 2
     length = one.wall.length
     ends = (other.ends - one.origin) @ axes.T
     ways = []
@@ -115,6 +116,7 @@ def _distance(one, other):
     their axes (separating axes of rectangles)."""
     apart = []
     for axis in np.concatenate([one.axes[:2, :2], other.axes[:2, :2]]):
-        first, second = one.corners @ axis, other.corners @ axis
+        first = one.corners @ axis
+        second = other.corners @ axis
         apart.append(max(first.min() - second.max(), second.min() - first.max()))
     return float(max(apart))

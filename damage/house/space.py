@@ -18,7 +18,8 @@ from damage.wall.contact_points import Contacts
 from damage.wall.kinds import GROUND, SLAB_COURSE, TINY, rows
 from damage.wall.layout import Layout, Supports
 
-THROUGH, SHARES = np.array([-1.0, 0.0, 1.0]), np.array([1.0, 4.0, 1.0]) / 6
+THROUGH = np.array([-1.0, 0.0, 1.0])
+SHARES = np.array([1.0, 4.0, 1.0]) / 6
 """Contact points through the thickness: places over half of it, and shares of the area [-]."""
 OF_BODIES = "body_wall", "across_inertia", "offset", "depth"
 OF_CONTACTS = "joint_wall", "y", "place", "axes", "reach"
@@ -109,7 +110,8 @@ class HouseLayout(Layout):
     def _inner(self):
         # A joint of a wall has three points in a row, through the thickness; one between two walls
         # has three such rows.  A point in the middle is beside itself.
-        between, own = self.joint_wall < 0, np.arange(len(self.joint_wall))
+        between = self.joint_wall < 0
+        own = np.arange(len(self.joint_wall))
         row, place = np.divmod(own - np.where(between, self.joint_wall.argmin(), 0), 3)
         return np.column_stack([own + 1 - place, own + np.where(between, 3 * (1 - row % 3), 0)])
 
@@ -148,7 +150,8 @@ class HouseLayout(Layout):
     @property
     def places(self):
         """As of Layout, of the walls as unfolded."""
-        places, normals = [], []
+        places = []
+        normals = []
         for body in (self.contacts.first, self.contacts.second):
             of = np.maximum(body, 0)
             centre = self.unfolded[of]
@@ -214,7 +217,8 @@ class HouseLayout(Layout):
     @property
     def slide_limits(self):
         """As of Layout; joints between two walls, and on a slab, have no end."""
-        limits, contacts = super().slide_limits, self.contacts
+        limits = super().slide_limits
+        contacts = self.contacts
         slab = self.depth > self.wall.brick.thickness + TINY
         endless = self.joint_wall < 0
         for end in (contacts.first, contacts.second):
@@ -281,7 +285,8 @@ def placed(house, left, wall, local):
 def boxes(layout, wall):
     """Lowest and highest corners of all bodies, of walls at right angles, in the axes of this wall,
     twice (n_bodies, 3) [m]."""
-    bodies, axes = layout.bodies, layout.house.walls[wall].axes
+    bodies = layout.bodies
+    axes = layout.house.walls[wall].axes
     size = np.column_stack([bodies.length, layout.depth, bodies.height])
     half = np.abs(np.einsum("nij,ni,kj->nk", layout.of_body, size / 2, axes))
     centre = layout.centres @ axes.T
@@ -290,7 +295,8 @@ def boxes(layout, wall):
 
 def without(layout, drop):
     """The HouseLayout without these bodies (n_bodies,) and their contact points."""
-    contacts, kept = layout.contacts, ~drop
+    contacts = layout.contacts
+    kept = ~drop
     ground = np.arange(len(layout.supports))
     new = np.append(np.cumsum(kept) - 1, GROUND - ground)
     ends = [rows(end, len(drop)) for end in (contacts.first, contacts.second)]
@@ -321,7 +327,8 @@ def with_points(layout, n, points, wall, strength):
     """The HouseLayout with these points between two walls, unfolded with this one, from row n on;
     strength: tensile strength, cohesion and compressive strength [Pa]."""
     end = np.zeros(len(points.first), int)
-    one, place = layout.house.walls[wall], points.place
+    one = layout.house.walls[wall]
+    place = points.place
     local = (place - [*one.origin, 0.0]) @ one.axes.T
     added = Contacts(
         points.kind + end,

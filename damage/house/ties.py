@@ -27,7 +27,8 @@ class Span(NamedTuple):
     def along_at(self, share):
         """Places along both walls at a share of it, (2,) [m]."""
         facing = self.one.axes[0] @ self.other.axes[0] > 0
-        (left, right), (start, end) = self.along, self.other_along
+        (left, right) = self.along
+        (start, end) = self.other_along
         other = start + (end - start) * (share if facing else 1 - share)
         return left + (right - left) * share, other
 

@@ -47,7 +47,9 @@ from damage.elementary import exp, tan
 from damage.rounded import to_bits
 from damage.wall.split import PEAK
 
-INTACT, TENSION, SHEAR = 0, 1, 2
+INTACT = 0
+TENSION = 1
+SHEAR = 2
 """Results of `advance`: no failure in the step, failure of the bond in tension, or in shear."""
 GONE = 0.01
 """Remaining share of its strengths [-] at which a softening bond fails."""
@@ -147,7 +149,8 @@ def elastic_range(parameters):
     Returns the largest opening [m], the largest shear displacement without opening [m], and its
     reduction per opening [-].  parameters: LawParameters, also of arrays.
     """
-    kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
+    kn = parameters.normal_stiffness
+    ks = parameters.shear_stiffness
     return (
         parameters.tensile_strength / kn,
         parameters.cohesion / ks,
@@ -294,7 +297,9 @@ def closure_growth(depth, closure, strength, parameters):
 @register_jitable
 def advance_uncrushed(opening, shear_increment, state, parameters):
     """`advance` without crushing; opening: plus the plastic closure [m]."""
-    broken, gap, material = state.broken, state.gap, parameters.material
+    broken = state.broken
+    gap = state.gap
+    material = parameters.material
     strength, cohesion = strength_left(broken, parameters, state.kappa)
     sigma = parameters.normal_stiffness * opening  # (7)
     if gap > 0.0 and opening > 0.0 and not broken:
@@ -328,14 +333,19 @@ def break_or_slide(opening, sigma, trial, state, parameters):
 
     opening: at the end of the step [m]; sigma, trial: elastic normal and shear stress there [Pa].
     """
-    kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
-    slip, at_limit, event = state.slip, state.at_limit, INTACT
-    friction_work, fracture_work = state.friction_work, state.fracture_work
+    kn = parameters.normal_stiffness
+    ks = parameters.shear_stiffness
+    slip = state.slip
+    at_limit = state.at_limit
+    event = INTACT
+    friction_work = state.friction_work
+    fracture_work = state.fracture_work
     if not state.broken:
         strength, _ = strength_left(False, parameters)
         event = TENSION if sigma > strength else SHEAR  # (10), else (11)
     limit = -sigma * friction_left(True, parameters.material)
-    beyond, tau = abs(trial) - limit, trial
+    beyond = abs(trial) - limit
+    tau = trial
     if event == TENSION or (event == SHEAR and opening > 0.0):
         fracture_work += elastic_energy(sigma, trial, kn, ks)
     if opening > 0.0:  # without a bond it is open
@@ -355,7 +365,8 @@ def break_or_slide(opening, sigma, trial, state, parameters):
             friction_work += 0.5 * (before + limit) * beyond / ks
         sign = 1.0 if trial > 0.0 else -1.0
         slip += sign * beyond / ks
-        tau, at_limit = sign * limit, True
+        tau = sign * limit
+        at_limit = True
     return (
         ContactState(
             sigma, tau, slip, True, at_limit, friction_work, fracture_work, state.kappa, state.gap
@@ -374,15 +385,18 @@ def soften(opening, trial, state, parameters):
     its steps more than halve, Aitken's extrapolation follows two of them.  A solution exists for
     all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may jump.
     """
-    kn, ks = parameters.normal_stiffness, parameters.shear_stiffness
+    kn = parameters.normal_stiffness
+    ks = parameters.shear_stiffness
     rate_i = AREA * parameters.tensile_strength / parameters.mode_i_energy
     rate_ii = AREA * parameters.cohesion / parameters.mode_ii_energy
-    kappa, step = state.kappa, 0.0
+    kappa = state.kappa
+    step = 0.0
     share = old_share = share_left(kappa, parameters.material)
     for _ in range(200):
         sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
         grown = state.kappa + rate_i * (gap - state.gap) + rate_ii * (abs(trial) - tau) / ks
-        before, step = step, grown - kappa
+        before = step
+        step = grown - kappa
         if abs(step) <= 1e-13 * (1.0 + kappa):
             break
         kappa = grown
@@ -397,10 +411,13 @@ def soften(opening, trial, state, parameters):
         share = 0.0
         sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
     slid = (abs(trial) - tau) / ks
-    fracture_work, slip, at_limit = state.fracture_work, state.slip, state.at_limit
+    fracture_work = state.fracture_work
+    slip = state.slip
+    at_limit = state.at_limit
     if opening > 0.0:  # work of the decrease of the secant stiffness
         strength = old_share * parameters.tensile_strength
-        old, new = tension_stiffness(strength, state.gap, kn), sigma / opening
+        old = tension_stiffness(strength, state.gap, kn)
+        new = sigma / opening
         fracture_work += (
             0.5 * min(state.gap + strength / kn, opening) * opening * max(old - new, 0.0)
         )
@@ -435,7 +452,8 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 
     opening [m]; trial: elastic shear stress [Pa]; gap: largest inelastic opening before [m].
     """
-    kn, strength = parameters.normal_stiffness, share * parameters.tensile_strength
+    kn = parameters.normal_stiffness
+    strength = share * parameters.tensile_strength
     gap = max(gap, opening - strength / kn)
     sigma = kn * opening
     if opening > 0.0:

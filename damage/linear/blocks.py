@@ -38,11 +38,9 @@ class Blocks(NamedTuple):
         """The whole matrix, sparse and compressed by rows."""
         size = self.values.shape[1]
         block, k, m = np.nonzero(self.values)
-        value, i, j = (
-            self.values[block, k, m],
-            size * self.row[block] + k,
-            size * self.column[block] + m,
-        )
+        value = self.values[block, k, m]
+        i = size * self.row[block] + k
+        j = size * self.column[block] + m
         above = self.row[block] != self.column[block]
         n = size * int(np.sum(self.row == self.column))
         return coo_matrix(
@@ -63,10 +61,8 @@ def sum_of_products(n_bodies, bodies, rows, weights):
         for part in (bodies, rows)
     )
     both = np.flatnonzero(low >= 0)
-    i, j = (
-        np.concatenate([high, low[both], high[both]]),
-        np.concatenate([high, low[both], low[both]]),
-    )
+    i = np.concatenate([high, low[both], high[both]])
+    j = np.concatenate([high, low[both], low[both]])
     left, right, weights = (
         np.concatenate(parts)
         for parts in (
@@ -78,7 +74,8 @@ def sum_of_products(n_bodies, bodies, rows, weights):
     number, place = np.unique(
         np.append(np.arange(n_bodies) * (n_bodies + 1), i * n_bodies + j), return_inverse=True
     )
-    place, size = place[n_bodies:], rows.shape[2]
+    place = place[n_bodies:]
+    size = rows.shape[2]
     values = np.zeros((len(number), size, size))
     for k in range(size):
         for m in range(size):
@@ -107,10 +104,12 @@ class Factor(NamedTuple):
         size = right.shape[1]
         x = np.zeros((len(right), SIZE * self.per_body))
         x[:, :size] = right[self.order]
-        x, spans = x.reshape(-1, SIZE), list(starmap(slice, pairwise(self.start.tolist())))
+        x = x.reshape(-1, SIZE)
+        spans = list(starmap(slice, pairwise(self.start.tolist())))
         for node, span in enumerate(spans):
             x[self.below[span]] -= _times(self.lower[span], x[node])
-        x, lower = _times(self.inverse, x[:, None]), self.lower.swapaxes(1, 2)
+        x = _times(self.inverse, x[:, None])
+        lower = self.lower.swapaxes(1, 2)
         for node, span in zip(reversed(range(len(spans))), reversed(spans)):
             x[node] -= np.add.reduce(_times(lower[span], x[self.below[span]][:, None]), axis=0)
         found = np.empty(right.shape)
@@ -120,10 +119,13 @@ class Factor(NamedTuple):
 
 def factorised(blocks):
     """The Factor of positive definite Blocks."""
-    size, places = blocks.values.shape[1], np.empty(blocks.row[-1] + 1, int)
+    size = blocks.values.shape[1]
+    places = np.empty(blocks.row[-1] + 1, int)
     nodes = -(-size // SIZE)
     coupled = np.any(blocks.values, axis=(1, 2))
-    row, column, values = blocks.row[coupled], blocks.column[coupled], blocks.values[coupled]
+    row = blocks.row[coupled]
+    column = blocks.column[coupled]
+    values = blocks.values[coupled]
     order, columns = _elimination(list(zip(row.tolist(), column.tolist())), len(places))
     places[order] = np.arange(len(order))
     start, below = _structure(places, columns, nodes)
@@ -140,7 +142,8 @@ def factorised(blocks):
         for pick, at in ((np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes)))
     )
     i, j = np.broadcast_arrays(i, j)
-    lower, diagonal = np.zeros((len(below), SIZE, SIZE)), np.empty((n, SIZE, SIZE))
+    lower = np.zeros((len(below), SIZE, SIZE))
+    diagonal = np.empty((n, SIZE, SIZE))
     diagonal[i[i == j]] = parts[i == j]
     known = np.repeat(np.arange(n), np.diff(start)) * n + below  # rising
     lower[np.searchsorted(known, (j * n + i)[i > j])] = parts[i > j]
@@ -155,7 +158,9 @@ def _elimination(pairs, n):
     for a, b in pairs:
         left[a] |= {b} - {a}
         left[b] |= {a} - {b}
-    heap, order, columns = sorted((len(of), body) for body, of in left.items()), [], []
+    heap = sorted((len(of), body) for body, of in left.items())
+    order = []
+    columns = []
     while heap:
         degree, body = heappop(heap)
         if body in left and degree == len(left[body]):
@@ -193,7 +198,8 @@ def _factorise(start, below, known, lower, diagonal):
         inverse[i] = cofactors / (
             a[0] * cofactors[0, 0] + a[1] * cofactors[0, 1] + a[2] * cofactors[0, 2]
         )
-        column, rows = lower[first:stop].reshape(-1, SIZE), below[first:stop]
+        column = lower[first:stop].reshape(-1, SIZE)
+        rows = below[first:stop]
         over = _product(column, inverse[i])
         change = _product(over, column.T).reshape(len(rows), SIZE, len(rows), SIZE)
         under, upper = np.tril_indices(len(rows), -1)

@@ -27,7 +27,8 @@ _ROUNDING = 100 * np.finfo(float).eps
 freely."""
 _OF_HIGHEST = 1e-9
 """Tolerance of the highest squared frequency, which is rounded to three digits."""
-_MOST_ITERATIONS, _CONVERGED = 1000, 1e-10
+_MOST_ITERATIONS = 1000
+_CONVERGED = 1e-10
 """Of the first mode: the error falls by the ratio of the two lowest squared frequencies each
 time."""
 _MOST_KEPT = 16
@@ -51,7 +52,8 @@ class Modes:
 def inside_lintels(layout):
     """Which contact points join two segments of a lintel's beam, which stay elastic: (n_contacts,)
     of bool."""
-    first, second = layout.contacts.first, layout.contacts.second
+    first = layout.contacts.first
+    second = layout.contacts.second
     is_segment = layout.bodies.course == LINTEL_COURSE
     return (first >= 0) & (second >= 0) & is_segment[first] & is_segment[second]
 
@@ -62,7 +64,8 @@ def joint_stiffness(layout, factors=(1.0, 1.0), of=slice(None)):
     contacts = layout.contacts
     rows = layout.directions
     ends = np.stack([contacts.first, contacts.second])
-    across, along = contacts.normal_stiffness, contacts.shear_stiffness
+    across = contacts.normal_stiffness
+    along = contacts.shear_stiffness
     weights = [
         (factor * (stiffness * contacts.area))[of]
         for factor, stiffness in zip((*factors, factors[-1]), (across, along, along))
@@ -104,7 +107,8 @@ def _of_bearing(layout, stiffness):
 def mass_vector(layout):
     """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of
     strain modes that a body does not have, and of coordinates that restraints hold."""
-    rigid, strain = layout.rigid_mass, layout.strain
+    rigid = layout.rigid_mass
+    strain = layout.strain
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
 
 
@@ -125,7 +129,8 @@ def _static_displacement(layout, weighing):
 
 def elastic_key(layout):
     """Digest of all that masses and stiffnesses of a layout's intact wall depend on."""
-    bodies, contacts = layout.bodies, layout.contacts
+    bodies = layout.bodies
+    contacts = layout.contacts
     arrays = (
         *vars(bodies).values(),
         contacts.kind,
@@ -170,7 +175,8 @@ def _natural_modes(layout, n_modes):
     mass = mass_vector(layout)
     free = np.flatnonzero(mass > 0)
     scale = 1 / np.sqrt(mass[free])
-    top, inside = top_of(layout.wall), inside_lintels(layout)
+    top = top_of(layout.wall)
+    inside = inside_lintels(layout)
 
     def over_mass(stiffness):
         if len(free) < len(mass):
@@ -220,10 +226,12 @@ def first_mode(layout):
     inverse iteration: free vibration begins with it, so that its bits are those of sums and
     products alone."""
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
-    factor, shape = factorised(_stiffness(layout, mass > 0, massless=1.0)), np.zeros(mass.shape)
+    factor = factorised(_stiffness(layout, mass > 0, massless=1.0))
+    shape = np.zeros(mass.shape)
     shape[:, layout.HORIZONTAL] = 1.0
     for _ in range(_MOST_ITERATIONS):
-        before, shape = shape, _scaled(factor.solve(mass * shape), layout)
+        before = shape
+        shape = _scaled(factor.solve(mass * shape), layout)
         if np.abs(shape - before).max() <= _CONVERGED * np.abs(shape).max():
             break
     return shape
@@ -232,7 +240,8 @@ def first_mode(layout):
 def _scaled(shape, layout):
     """The shape (n_bodies, coordinates) of a mode as of Modes."""
     moves = shape[:, layout.TRANSLATIONS]
-    sizes, top = np.abs(moves), shape[layout.drift_bodies, 0].mean()
+    sizes = np.abs(moves)
+    top = shape[layout.drift_bodies, 0].mean()
     # the sign is that of the first one, so that no tie decides
     large = moves[sizes >= sizes.max() / 2]
     return shape / (top if np.abs(top) > 1e-6 * sizes.max() else np.copysign(sizes.max(), large[0]))

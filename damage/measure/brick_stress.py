@@ -23,7 +23,8 @@ def principal_stresses(stress):
     direction from the x axis, of stresses (..., 3) [Pa]: along x, along z, shear; tension
     positive."""
     along_x, along_z, shear = np.moveaxis(np.asarray(stress, float), -1, 0)
-    middle, radius = (along_x + along_z) / 2, np.hypot((along_x - along_z) / 2, shear)
+    middle = (along_x + along_z) / 2
+    radius = np.hypot((along_x - along_z) / 2, shear)
     return (
         np.stack([middle + radius, middle - radius], axis=-1),
         np.arctan2(2 * shear, along_x - along_z) / 2,
@@ -59,7 +60,8 @@ def bricks_table(history):
     stress = np.einsum("pq,tbqs->tbps", _WEIGHTS, history.stress_pa[:, bricks].astype(float))
     # (n_snapshots, n_bricks, places)
     largest, smallest = np.moveaxis(principal_stresses(stress)[0], -1, 0)
-    times, n_places = history.snapshot_time_s, len(SECTION_POSITIONS)
+    times = history.snapshot_time_s
+    n_places = len(SECTION_POSITIONS)
     flat = np.moveaxis(largest, 1, 0).reshape(len(bricks), -1)
     at = flat.argmax(axis=1)
     strength = history.masonry_wall.brick.tensile_strength

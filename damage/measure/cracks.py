@@ -79,7 +79,8 @@ def close_pairs(ends):
     """
     if len(ends) < 2:
         return np.zeros((0, 2), int)
-    low, high = ends.min(axis=1), ends.max(axis=1)
+    low = ends.min(axis=1)
+    high = ends.max(axis=1)
     reach = np.max(high - low) + JOINING_GAP
     pairs = scipy.spatial.cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
     first, second = pairs.T
@@ -108,7 +109,8 @@ def crack_table(ends, opening, slip, threshold=THRESHOLD):
     Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m,
     slip_m, width_m.
     """
-    opening, slip = np.asarray(opening, float), np.asarray(slip, float)
+    opening = np.asarray(opening, float)
+    slip = np.asarray(slip, float)
     width = np.hypot(opening, slip)
     numbers = crack_numbers(cracked(width, threshold), close_pairs(ends))
     table = pd.DataFrame(
@@ -165,7 +167,8 @@ def psi_history(history, threshold=PSI_FROM):
     Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
     mean_width_m (c_w), max_width_m (0 without a crack).
     """
-    opening, slip = history.active.opening_m, history.active.slip_by("displacement")
+    opening = history.active.opening_m
+    slip = history.active.slip_by("displacement")
     # Where opening and |slip| both stay below 0.7 of the threshold, the width stays below it: most
     # contact points.
     least = threshold * 0.7

@@ -30,7 +30,8 @@ def cycle_measures(history):
     if history.loading.drive.base is None:
         return None
     driven, free = (np.diff(cycles).ravel().tolist() for cycles in drift_cycles(history))
-    last, free = driven[-1] if driven else None, free[0] if free else None
+    last = driven[-1] if driven else None
+    free = free[0] if free else None
     eigen_period = history.eigen_period_s
     return last, free, free / eigen_period if free and eigen_period else None
 
@@ -136,7 +137,8 @@ def shocks_table(history):
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
     SHOCKS.  Residual values are None of an event without a settling
     stage."""
-    cracks, rows = psi_history(history), []
+    cracks = psi_history(history)
+    rows = []
     values = index_by_all(history).assign(
         psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE
     )
@@ -209,7 +211,8 @@ def upward_crossings(time_s, value, rearm=REARM):
     >>> upward_crossings(t, np.sin(2 * np.pi * 4 * (t - 0.1))).round(6)
     array([0.1 , 0.35, 0.6 , 0.85])
     """
-    time_s, value = np.asarray(time_s, float), np.asarray(value, float)
+    time_s = np.asarray(time_s, float)
+    value = np.asarray(value, float)
     level = max(rearm * np.abs(value).max(initial=0.0), NOISE)
     up = np.flatnonzero((value[:-1] < 0) & (value[1:] >= 0))
     # `armed[i]`: how often the value has fallen below -level up to sample i; one crossing counts

@@ -141,7 +141,8 @@ def storey_drifts(history):
 def _place(history, place):
     """Height [m] and bodies, an index array, of a floor, whose place is a
     damage.wall.floors.FloorPlace."""
-    (floor, left, right, first, above), bodies = place, history.bodies
+    (floor, left, right, first, above) = place
+    bodies = history.bodies
     z, x, course = (bodies[name].to_numpy() for name in ("z_m", "x_m", "course"))
     if floor.is_body:
         middle = (first + above) / 2 * history.masonry_wall.brick.height

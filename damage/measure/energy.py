@@ -7,7 +7,8 @@ from damage.units import GRAVITY
 
 STORED = ("kinetic_energy_j", "elastic_energy_j", "gravity_energy_j")
 DISSIPATED = ("friction_energy_j", "fracture_energy_j", "damping_energy_j")
-ENERGY_ERROR, ENERGY_FAILURE = 0.01, 1.0
+ENERGY_ERROR = 0.01
+ENERGY_FAILURE = 1.0
 """Energy balance errors [-] above which a run has a warning, and above which it has failed.
 
 In the runs of `docs/tables` walls that stand have errors up to 0.021 in YADE and 0.0042 in the
@@ -102,14 +103,16 @@ class Balance:
     """
 
     def __init__(self, noise):
-        self._noise, self.state = noise, np.zeros(4)
+        self._noise = noise
+        self.state = np.zeros(4)
 
     def add(self, rows):
         """Add one or more samples, {column of the series: (n,)} [J]; leave out settling stages."""
         excess = sum(map(rows.__getitem__, STORED + DISSIPATED)) - rows["input_energy_j"]
         first, largest, scale, n = self.state
         if n == 0:
-            first, scale = excess[0], rows["kinetic_energy_j"][0]
+            first = excess[0]
+            scale = rows["kinetic_energy_j"][0]
         self.state = np.array(
             [
                 first,

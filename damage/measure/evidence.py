@@ -15,7 +15,8 @@ from damage.measure.energy import ENERGY_ERROR
 from damage.units import MILLIMETRE
 
 PLACE = "docs/model/validity.md"
-PERCENT, MEGA = 0.01, 1e6
+PERCENT = 0.01
+MEGA = 1e6
 _ROUNDING = 1e-6
 """Share of a limit [-] up to which a value beyond it is rounding: that of inputs
 (`damage.rounded`), of which a push to 0.3 % and motions have up to a tenth."""
@@ -76,7 +77,8 @@ def evidence_for(wall, parameters, result=None):
     """{name of a quantity: `Quantity.judge`} of all that can be judged of a damage.Wall and the
     parameters of its run, as a history has them; result: the numbers of
     `damage.measure.summary.summarise`, None before the run."""
-    joint, factors = wall.joint, parameters.get("sequence", [1.0])
+    joint = wall.joint
+    factors = parameters.get("sequence", [1.0])
     motions = [
         parameters["motions"][event["motion"]] for event in parameters.get("events", [])
     ] or [parameters["loading"]] * len(factors)
@@ -421,7 +423,8 @@ def _beyond(judged):
 
 def describe(evidence):
     """The evidence for a run in one line."""
-    found, known = outside(evidence), sum(one["inside"] is not None for one in evidence.values())
+    found = outside(evidence)
+    known = sum(one["inside"] is not None for one in evidence.values())
     if not found:
         return f"evidence for this run: inside the range of validity in all {known} quantities"
     return (

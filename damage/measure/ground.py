@@ -37,7 +37,8 @@ def settlement_measures(
     settlement = np.flatnonzero(history.series["stage"] == "settlement")
     if not len(settlement):
         return None
-    last, cracks = settlement[-1], psi_history(history, psi_from)
+    last = settlement[-1]
+    cracks = psi_history(history, psi_from)
     return *distortion(*edges_of(history, last)), *map(
         float,
         (
@@ -72,9 +73,11 @@ def edges_of(history, sample):
     """Place along the wall and displacement upwards of the edges and the middle of all supports at
     a sample, two arrays (n,) [m]."""
     left, right = (history.supports[name].to_numpy() for name in ("left_m", "right_m"))
-    motion, half = history.support_displacement[sample].astype(float), (right - left) / 2
+    motion = history.support_displacement[sample].astype(float)
+    half = (right - left) / 2
     side = np.array([[-1.0], [0.0], [1.0]])
-    x, up = (left + right) / 2 + side * half, motion[:, 1] + side * half * np.sin(motion[:, 2])
+    x = (left + right) / 2 + side * half
+    up = motion[:, 1] + side * half * np.sin(motion[:, 2])
     order = np.argsort(x.T.ravel(), kind="stable")
     return x.T.ravel()[order], up.T.ravel()[order]
 
@@ -97,7 +100,8 @@ def distortion(x, up):
     farthest = int(
         np.argmax(np.where(np.abs(below) >= _EQUALLY * np.abs(below).max(), shorter, -1.0))
     )
-    shorter, deflection = shorter[farthest], float(below[farthest])
+    shorter = shorter[farthest]
+    deflection = float(below[farthest])
     return (
         abs(deflection) / float(shorter) if shorter > 0 else 0.0,
         deflection / float(length),

@@ -48,12 +48,11 @@ def sections(history):
     """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows
     of the joints)]; left, right: of the pier along x, or of the arch along z; part: "pier 1", ...
     from the left, "arch 1", ..."""
-    joints, found = history.joints, []
-    x, z, is_bed = (
-        joints["x_m"].to_numpy(),
-        joints["z_m"].to_numpy(),
-        (joints["kind"] == "bed").to_numpy(),
-    )
+    joints = history.joints
+    found = []
+    x = joints["x_m"].to_numpy()
+    z = joints["z_m"].to_numpy()
+    is_bed = (joints["kind"] == "bed").to_numpy()
     for number, (left, right) in enumerate(history.plan.piers, 1):
         inside = is_bed & (x > left - _SAME) & (x < right + _SAME)
         found += [(f"pier {number}", left, right, True, *one) for one in _by_place(z, inside)]
@@ -72,7 +71,8 @@ def sections(history):
 def _in_arch(history, lintel):
     """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a
     damage.wall.lintels.LintelPlace."""
-    joints, course = history.joints, history.bodies["course"].to_numpy()
+    joints = history.joints
+    course = history.bodies["course"].to_numpy()
     first, second = (joints[f"{side}_body"].to_numpy() for side in ("first", "second"))
     of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (
         course[second] == ARCH_COURSE
@@ -100,15 +100,17 @@ def sections_table(history, moments=MOMENTS):
     a section and moment; columns: SECTIONS."""
     check_stresses(history)
     area, length = (history.joints[name].to_numpy() for name in ("area_m2", "length_m"))
-    places, rows, of = history.joints[["x_m", "z_m"]].to_numpy(), [], sections(history)
+    places = history.joints[["x_m", "z_m"]].to_numpy()
+    rows = []
+    of = sections(history)
     for moment, sample in zip(moments, choose_samples(history, moments)):
-        stress, time_s = (
-            history.joint_stress_pa[sample].astype(float),
-            float(history.series["time_s"].iloc[sample]),
-        )
+        stress = history.joint_stress_pa[sample].astype(float)
+        time_s = float(history.series["time_s"].iloc[sample])
         for part, *_, is_bed, across, joints in of:
-            along, (sigma, tau) = places[joints, 0 if is_bed else 1], stress[joints].T
-            middle, normal = np.average(along, weights=area[joints]), sigma @ area[joints]
+            along = places[joints, 0 if is_bed else 1]
+            (sigma, tau) = stress[joints].T
+            middle = np.average(along, weights=area[joints])
+            normal = sigma @ area[joints]
             moment_n_m = (sigma * area[joints]) @ (along - middle)
             away = moment_n_m / normal if normal < 0 else np.nan
             thrust = (middle + away, across) if is_bed else (across, middle + away)
@@ -195,7 +197,8 @@ STRESSES = _AT | {
 def stress_report(history, moments=MOMENTS):
     """The stresses of a History, a dictionary: at each moment extremes over the contact points, and
     the section of each pier and arch with the largest eccentricity."""
-    table, of_points = sections_table(history, moments), stresses_table(history, moments)
+    table = sections_table(history, moments)
+    of_points = stresses_table(history, moments)
     return {
         "wall": history.wall,
         "moments": [

@@ -113,7 +113,8 @@ def _largest(frames):
 def failures(history):
     """Failures of a History's contact points, and lengths that have been crushed and split; what a
     survey took is no failure of the run."""
-    kinds, states = history.events["kind"], history.states
+    kinds = history.events["kind"]
+    states = history.states
     if history.parameters.get("cracked"):
         kinds = kinds[with_bond(history)[history.events["joint"]]]
     broken, crushed = (states.joints[frames[-1]] for frames in (states.broken, states.crushed))

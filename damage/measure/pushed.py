@@ -7,7 +7,8 @@ import numpy as np
 
 from damage.history.schema import Column, measure
 
-INITIAL_SHARE, SECANT_SHARE = 0.15, 0.7
+INITIAL_SHARE = 0.15
+SECANT_SHARE = 0.7
 """Shares of the peak force at which the initial and the secant stiffness are taken, on first
 loading."""
 

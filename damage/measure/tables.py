@@ -80,7 +80,8 @@ def summary_row(history, run="", point=""):
 def _motion_columns(history, numbers):
     """Columns of the loading; intensities are of the motion as applied, with the largest factor of
     a sequence."""
-    loading, factor = history.loading, history.strongest_factor
+    loading = history.loading
+    factor = history.strongest_factor
     given = loading.as_dict()
     start, end = given.get("window_s") or (None, None)
     return {
@@ -133,7 +134,8 @@ def joints_table(history):
     )
     if history.house is None:
         table = table.assign(y_m=0.0, share=1.0)
-    active, states = history.active, history.states
+    active = history.active
+    states = history.states
 
     def column(of, values):
         """A column for all contact points, zero except for those with sparse data `of`, whose
@@ -142,7 +144,9 @@ def joints_table(history):
         whole[of.joints] = values
         return whole
 
-    opening, slip, offset = active.opening_m, active.slip_m, active.offset_m
+    opening = active.opening_m
+    slip = active.slip_m
+    offset = active.offset_m
     return table.assign(
         final_opening_m=column(active, opening[-1]),
         max_opening_m=column(active, opening.max(axis=0)),

@@ -52,7 +52,8 @@ def warnings_of(history):
 def static_warnings(history):
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at
     rest."""
-    static, found = history.static, []
+    static = history.static
+    found = []
     failed = static["broken_joints"]
     if len(history.series):  # less those without a bond: dry joints, and what a survey took
         failed -= int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
@@ -152,7 +153,8 @@ def warn_of_ends(history):
 
 def _at(history, row, sample):
     """Text: a contact point (row) and the time of a sample."""
-    joint, time_s = history.joints.iloc[row], history.series["time_s"].iloc[sample]
+    joint = history.joints.iloc[row]
+    time_s = history.series["time_s"].iloc[sample]
     return (
         f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t ="
         f" {time_s:.2f} s)"

@@ -70,8 +70,11 @@ def set_bench(n, tables, controls, field, step):
     damping acts."""
     damped = False
     for w in range(len(controls)):
-        dt, local = controls[w, TIME_STEP], controls[w, LOCAL]
-        base_x, base_z, gravity = field[w, step, 0], field[w, step, 1], field[w, step, 2]
+        dt = controls[w, TIME_STEP]
+        local = controls[w, LOCAL]
+        base_x = field[w, step, 0]
+        base_z = field[w, step, 1]
+        gravity = field[w, step, 2]
         alpha = controls[w, ALPHA] + tables.relaxation[0, 0, w]
         damped |= alpha > 0.0 or local > 0.0
         keep_bench(
@@ -123,7 +126,8 @@ def move_bodies(n, tables, strain, controls, damped):
 @inlined
 def move_rigidly(n, tables, bench, b, damped):
     """Advance the rigid coordinates of body b by a step; returns the power of their damping [W]."""
-    sums, inertia = tables.sums, tables.inertia
+    sums = tables.sums
+    inertia = tables.inertia
     x, z, rotation, fx, fz, moment = coordinates(n, tables.bodies, tables.every, b)
     swept_x, driven_x, taken_x, vx = move_coordinate(
         n, inertia, b, X, bench, bench.base_x, fx, damped
@@ -162,7 +166,9 @@ def coordinates(n, places, every, b):
 def put(n, tables, b, x, z, angle):
     """Write coordinates of body b, cosine less one and sine of its rotation, and forces that are
     zero."""
-    places, (cos1, sine), none = tables.bodies, small_rotation(angle), zero(n)
+    places = tables.bodies
+    (cos1, sine) = small_rotation(angle)
+    none = zero(n)
     if rows_of(n) == 1:
         for k in range(RIGID):
             store(n, places, b, first_force(places) + k, none)
@@ -232,9 +238,11 @@ def rates(n, inertia, b, k, bench, field, force, damped):
     velocity.
     """
     free = inverse_mass_of(n, inertia, b, k)
-    rate, resistance = either(free > 0.0, force * free - field, 0.0), zero(n)
+    rate = either(free > 0.0, force * free - field, 0.0)
+    resistance = zero(n)
     if damped:
-        old, mean = velocity_of(n, inertia, b, k), mean_of(n, inertia, b, k)
+        old = velocity_of(n, inertia, b, k)
+        mean = mean_of(n, inertia, b, k)
         mean = mean + bench.follow * (old - mean)
         store(n, inertia, b, MEAN + INERTIAL * k, mean)
         sign = either(old > 0.0, 1.0, either(old < 0.0, -1.0, 0.0))
@@ -252,11 +260,9 @@ def advance(n, inertia, b, k, dt, rate, lost, force):
     where the velocity is prescribed; the powers of that against the force of the contact points,
     zero where it is free, and of the damping [W]; and the velocity.
     """
-    old, mass, free = (
-        velocity_of(n, inertia, b, k),
-        mass_of(n, inertia, b, k),
-        inverse_mass_of(n, inertia, b, k),
-    )
+    old = velocity_of(n, inertia, b, k)
+    mass = mass_of(n, inertia, b, k)
+    free = inverse_mass_of(n, inertia, b, k)
     new = old + dt * rate
     store(n, inertia, b, VELOCITY + INERTIAL * k, new)
     return (
@@ -280,10 +286,14 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
     damped: as of `rates`.
     """
     # masses are equal in all walls
-    places, inertia, one = tables.bodies, tables.inertia, wall_of(n, 0)
+    places = tables.bodies
+    inertia = tables.inertia
+    one = wall_of(n, 0)
     for m in range(strain.shapes.shape[2]):
-        k, half = RIGID + m, 0.5 * dt * strain.damping[b, m]
-        old, place = velocity_of(n, inertia, b, k), place_of(n, places, b, k)
+        k = RIGID + m
+        half = 0.5 * dt * strain.damping[b, m]
+        old = velocity_of(n, inertia, b, k)
+        place = place_of(n, places, b, k)
         force = force_of(n, places, b, k) - strain.stiffness[b, m] * place
         rate, resistance = rates(n, inertia, b, k, bench, 0.0, force, damped)
         new = ((1.0 - half) * old + dt * (rate - resistance)) * (1.0 / (1.0 + half))
@@ -304,7 +314,9 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
 @compiled
 def adapt(n, tables, strain, controls):
     """Set the adaptive damping of the next step from the kinetic energy of this one."""
-    sums, inertia, relaxation = tables.sums, tables.inertia, tables.relaxation
+    sums = tables.sums
+    inertia = tables.inertia
+    relaxation = tables.relaxation
     sums[KINETIC] = 0.0
     for b in range(len(inertia)):
         add_part(
@@ -326,7 +338,8 @@ def adapt(n, tables, strain, controls):
     total(n, sums, KINETIC)
     for w in range(len(controls)):
         kinetic = sums[KINETIC, 0, w]
-        share, last = controls[w, ADAPTIVE], relaxation[0, 1, w]
+        share = controls[w, ADAPTIVE]
+        last = relaxation[0, 1, w]
         relaxation[0, 0, w] = adaptive_damping(kinetic, last, share, controls[w, TIME_STEP])
         # a wall that relaxes later begins without
         relaxation[0, 1, w] = kinetic if share > 0.0 else 0.0
@@ -372,16 +385,18 @@ def energies_of_modes(n, tables, strain):
 
     The velocities, known at half steps, are advanced to the time of the amplitudes.
     """
-    kinetic, stored, one = zero(n), zero(n), wall_of(n, 0)
+    kinetic = zero(n)
+    stored = zero(n)
+    one = wall_of(n, 0)
     if strain is None:
         return kinetic, stored
-    bodies, inertia, dt = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0).step
+    bodies = tables.bodies
+    inertia = tables.inertia
+    dt = bench_of(n, tables.bench, 0).step
     for b in range(len(strain.stiffness)):
         for m in range(strain.shapes.shape[2]):
-            place, velocity = (
-                place_of(n, bodies, b, RIGID + m),
-                velocity_of(n, inertia, b, RIGID + m),
-            )
+            place = place_of(n, bodies, b, RIGID + m)
+            velocity = velocity_of(n, inertia, b, RIGID + m)
             rate = force_of(n, bodies, b, RIGID + m) - strain.stiffness[b, m] * place
             rate = rate * inverse_mass_of(one, inertia, b, RIGID + m)
             velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])

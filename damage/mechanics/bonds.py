@@ -193,8 +193,14 @@ def moved(place, rest, arm):
     The rotation is the quaternion now times the inverse of that at rest, as a clump in YADE starts
     on permuted axes.
     """
-    x, y, z, w = place[2], place[3], place[4], place[5]
-    x0, y0, z0, w0 = rest[2], rest[3], rest[4], rest[5]
+    x = place[2]
+    y = place[3]
+    z = place[4]
+    w = place[5]
+    x0 = rest[2]
+    y0 = rest[3]
+    z0 = rest[4]
+    w0 = rest[5]
     real = w * w0 + x * x0 + y * y0 + z * z0
     about_y = w0 * y - w * y0 - z * x0 + x * z0
     size = math.sqrt(real * real + about_y * about_y)

@@ -45,7 +45,8 @@ def build(layout):
     supports.
     """
     interfaces, middle = _interfaces(layout)
-    contacts, n_bodies = _contacts(layout, middle), len(layout.bodies)
+    contacts = _contacts(layout, middle)
+    n_bodies = len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
     radiation = _radiation(
         layout, np.arange(len(layout.contacts)) if n_modes else interfaces["start"]
@@ -77,10 +78,8 @@ def build(layout):
         beam = layout.bodies.course == CAP_COURSE
         system.bearings["load"] = layout.load_mass
         if top.stiffness:
-            system.bearings["stiffness"][beam], system.bearings["play"][beam] = (
-                top.stiffness,
-                top.play,
-            )
+            system.bearings["stiffness"][beam] = top.stiffness
+            system.bearings["play"][beam] = top.play
             system.bearings["limit"][beam] = top.friction * GRAVITY * layout.top_mass
     return tables
 
@@ -164,8 +163,10 @@ def _interfaces(layout):
 
     The contact points of an interface are neighbours in the layout.
     """
-    contacts, bodies = layout.contacts, layout.bodies
-    first, second = rows(contacts.first, len(bodies)), contacts.second
+    contacts = layout.contacts
+    bodies = layout.bodies
+    first = rows(contacts.first, len(bodies))
+    second = contacts.second
     changes = np.any([np.diff(first) != 0, np.diff(second) != 0], axis=0)
     start = np.append(0, np.flatnonzero(changes) + 1)
     stop = np.append(start[1:], len(contacts))
@@ -175,7 +176,8 @@ def _interfaces(layout):
     ]
     x = np.append(bodies.x, layout.supports.x)
     z = np.append(bodies.z, np.zeros(len(layout.supports)))
-    a, b = first[start], second[start]
+    a = first[start]
+    b = second[start]
     upright = contacts.upright[start]
     least, most = slide_limits(contacts.first[start], b, upright, bodies)
     interfaces = table(
@@ -198,7 +200,8 @@ def _interfaces(layout):
 
 def law_of(system):
     """LawParameters of all contact points, without fracture energies."""
-    of, area = system.strengths, system.contacts["area"]
+    of = system.strengths
+    area = system.contacts["area"]
     return LawParameters(
         of["normal_stiffness"] * area,
         of["shear_stiffness"] * area,
@@ -216,9 +219,12 @@ def sum_springs(system, strain=None):
     strain: of the layout, None where bricks are rigid; between deformable bricks contact points are
     evaluated one by one.
     """
-    start, offset, limits = system.interfaces["start"], system.contacts["offset"], system.limits
+    start = system.interfaces["start"]
+    offset = system.contacts["offset"]
+    limits = system.limits
     of = law_of(system)
-    kn, ks = of.normal_stiffness, of.shear_stiffness
+    kn = of.normal_stiffness
+    ks = of.shear_stiffness
     with np.errstate(divide="ignore", invalid="ignore"):
         opening, slide, ratio = elastic_range(of)
         limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)

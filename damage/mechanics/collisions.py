@@ -138,7 +138,8 @@ def build_loose(layout, system, time_step):
     length.  The ground reaches GROUND_M beyond the wall and below it, without gaps between
     supports.
     """
-    bodies, supports = layout.bodies, layout.supports
+    bodies = layout.bodies
+    supports = layout.supports
     friction = Material(*map(float, system.material)).friction
     radius = CORNER_RADIUS * layout.wall.brick.length
     kn = stiffness_for(bodies.mass[bodies.mass > 0].min(), time_step)
@@ -150,11 +151,9 @@ def build_loose(layout, system, time_step):
             [supports.right[-1] + GROUND_M],
         ]
     )
-    half_x, half_z, at = (
-        bodies.length / 2 - radius,
-        bodies.height / 2 - radius,
-        np.zeros(len(supports)),
-    )
+    half_x = bodies.length / 2 - radius
+    half_z = bodies.height / 2 - radius
+    at = np.zeros(len(supports))
     cores = np.vstack(
         [
             np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
@@ -173,7 +172,8 @@ def build_loose(layout, system, time_step):
     interfaces = system.interfaces
     grounded = interfaces["a"] >= len(bodies)
     length = bodies.length[interfaces["b"][grounded]]
-    interfaces["slide_least"][grounded], interfaces["slide_most"][grounded] = -length, length
+    interfaces["slide_least"][grounded] = -length
+    interfaces["slide_most"][grounded] = length
     return make_loose(touch, cores, interfaces["a"], interfaces["b"])
 
 
@@ -260,7 +260,8 @@ def push_corner(n, tables, loose, row, k, dt):
     if near.distance <= 0.0:
         loose.counts[INSIDE] += 1
         return
-    overlap, rest = 2.0 * radius - near.distance, loose.springs[row, k, REST]
+    overlap = 2.0 * radius - near.distance
+    rest = loose.springs[row, k, REST]
     depth = overlap - rest
     if depth <= 0.0:
         loose.springs[row, k, REST] = max(overlap, 0.0)
@@ -278,12 +279,10 @@ def push_touching(n, tables, loose, row, k, near, depth, dt):
     Friction and the dashpot take half of what they would at the force before, and half at the force
     now: so central differences do work on the bodies, and the balance is that of the elastic part.
     """
-    (p, c), touch, springs, inertia = (
-        bodies_of(loose, row, k),
-        loose.touch,
-        loose.springs,
-        tables.inertia,
-    )
+    (p, c) = bodies_of(loose, row, k)
+    touch = loose.touch
+    springs = loose.springs
+    inertia = tables.inertia
     arms = Arms(
         near.x - centre_of(n, tables, loose, p, X),
         near.z - centre_of(n, tables, loose, p, Z),
@@ -291,21 +290,23 @@ def push_touching(n, tables, loose, row, k, near, depth, dt):
         near.z - centre_of(n, tables, loose, c, Z),
     )
     vx, vz = relative_velocity(n, inertia, p, c, arms)
-    closing, sliding = (vx * near.nx + vz * near.nz) * dt, (vz * near.nx - vx * near.nz) * dt
-    free_p, free_c = inverse_mass_of(n, inertia, p, Z), inverse_mass_of(n, inertia, c, Z)
+    closing = (vx * near.nx + vz * near.nz) * dt
+    sliding = (vz * near.nx - vx * near.nz) * dt
+    free_p = inverse_mass_of(n, inertia, p, Z)
+    free_c = inverse_mass_of(n, inertia, c, Z)
     viscous = dashpot_force(touch, free_p + free_c, depth, closing, dt)
     normal = touch.kn * depth + viscous
-    limit, old = touch.friction * normal / touch.ks, springs[row, k, SLIDE]
+    limit = touch.friction * normal / touch.ks
+    old = springs[row, k, SLIDE]
     new = min(max(old + sliding, -limit), limit)
     add(n, tables.energy, 0, FRICTION, 0.5 * touch.ks * (old + new) * (old + sliding - new))
     add(n, tables.energy, 0, DAMPING, -0.5 * (springs[row, k, VISCOUS] + viscous) * closing)
     loose.energy[STORED] += 0.5 * (touch.kn * depth * depth + touch.ks * new * new)
     springs[row, k, TOUCHING] = 1.0 if depth > 0.0 else 0.0
-    springs[row, k, SLIDE], springs[row, k, VISCOUS] = new, viscous
-    fx, fz = (
-        normal * near.nx + touch.ks * new * near.nz,
-        normal * near.nz - touch.ks * new * near.nx,
-    )
+    springs[row, k, SLIDE] = new
+    springs[row, k, VISCOUS] = viscous
+    fx = normal * near.nx + touch.ks * new * near.nz
+    fz = normal * near.nz - touch.ks * new * near.nx
     push_body(n, tables.bodies, p, fx, fz, arms.px * fz - arms.pz * fx)
     push_body(n, tables.bodies, c, -fx, -fz, -(arms.cx * fz - arms.cz * fx))
 
@@ -313,10 +314,8 @@ def push_touching(n, tables, loose, row, k, near, depth, dt):
 @inlined
 def relative_velocity(n, inertia, p, c, arms):
     """Velocity along x and z of body p relative to body c, where the Arms meet [m/s]."""
-    turning_p, turning_c = (
-        velocity_of(n, inertia, p, ROTATION),
-        velocity_of(n, inertia, c, ROTATION),
-    )
+    turning_p = velocity_of(n, inertia, p, ROTATION)
+    turning_c = velocity_of(n, inertia, c, ROTATION)
     return (
         velocity_of(n, inertia, p, X)
         - turning_p * arms.pz
@@ -342,7 +341,8 @@ def dashpot_force(touch, inverse, depth, closing, dt):
 @inlined
 def bodies_of(loose, row, k):
     """The body whose core has corner k of a pair, and the other body."""
-    a, b = loose.pairs[row, 0], loose.pairs[row, 1]
+    a = loose.pairs[row, 0]
+    b = loose.pairs[row, 1]
     return (a, b) if k < CORNERS else (b, a)
 
 
@@ -363,23 +363,28 @@ def nearest(n, tables, loose, p, c, corner, reach):
     """Near of a corner of the core of body p, counter-clockwise from the upper right, and the core
     of body c; farther than `reach` [m] the distance may be any above it."""
     cores = loose.cores
-    right, high = corner == 0 or corner == 3, corner < 2
+    right = corner == 0 or corner == 3
+    high = corner < 2
     cos, sin = turn_of(n, tables, p)
-    x, z = cores[p, RIGHT] if right else cores[p, LEFT], cores[p, HIGH] if high else cores[p, LOW]
+    x = cores[p, RIGHT] if right else cores[p, LEFT]
+    z = cores[p, HIGH] if high else cores[p, LOW]
     dx = centre_of(n, tables, loose, p, X) + cos * x - sin * z - centre_of(n, tables, loose, c, X)
     dz = centre_of(n, tables, loose, p, Z) + sin * x + cos * z - centre_of(n, tables, loose, c, Z)
     # In the axes of body c: the corner, and the point of its core that is nearest.
     cos, sin = turn_of(n, tables, c)
-    x, z = cos * dx + sin * dz, cos * dz - sin * dx
+    x = cos * dx + sin * dz
+    z = cos * dz - sin * dx
     on_x = min(max(x, cores[c, LEFT]), cores[c, RIGHT])
     on_z = min(max(z, cores[c, LOW]), cores[c, HIGH])
-    apart_x, apart_z = x - on_x, z - on_z
+    apart_x = x - on_x
+    apart_z = z - on_z
     if max(abs(apart_x), abs(apart_z)) > reach:
         return Near(2.0 * reach, 0.0, 0.0, 0.0, 0.0)
     distance = np.sqrt(apart_x * apart_x + apart_z * apart_z)
     if distance <= 0.0:
         return Near(0.0, 0.0, 0.0, 0.0, 0.0)
-    half_x, half_z = 0.5 * (x + on_x), 0.5 * (z + on_z)
+    half_x = 0.5 * (x + on_x)
+    half_z = 0.5 * (z + on_z)
     return Near(
         distance,
         (cos * apart_x - sin * apart_z) / distance,
@@ -395,7 +400,8 @@ def nearest(n, tables, loose, p, c, corner, reach):
 @compiled
 def have_moved(n, tables, loose):
     """Whether a body has moved by half of the margin since the last search."""
-    cores, seen = loose.cores, loose.seen
+    cores = loose.cores
+    seen = loose.seen
     for b in range(len(cores)):
         reach = max(-cores[b, LEFT], cores[b, RIGHT]) + max(-cores[b, LOW], cores[b, HIGH])
         moved = abs(place_of(n, tables.bodies, b, X) - seen[b, X]) + abs(
@@ -411,8 +417,12 @@ def have_moved(n, tables, loose):
 def search(n, tables, loose):
     """List the pairs of bodies that are near each other and not jointed: sort by their left edges
     and sweep."""
-    order, bounds, counts, inertia = loose.order, loose.bounds, loose.counts, tables.inertia
-    counts[SEARCHES], counts[WANTED] = counts[SEARCHES] + 1, 0
+    order = loose.order
+    bounds = loose.bounds
+    counts = loose.counts
+    inertia = tables.inertia
+    counts[SEARCHES] = counts[SEARCHES] + 1
+    counts[WANTED] = 0
     bound(n, tables, loose)
     sort(order, bounds)
     keep(loose)
@@ -446,7 +456,8 @@ def mark_joined(n, tables, loose, a):
 def sort(order, bounds):
     """Sort bodies by their left edges, by insertion: they are nearly sorted from the last time."""
     for k in range(1, len(order)):
-        one, place = order[k], k
+        one = order[k]
+        place = k
         while place > 0 and bounds[order[place - 1], 0] > bounds[one, 0]:
             order[place] = order[place - 1]
             place -= 1
@@ -456,27 +467,23 @@ def sort(order, bounds):
 @compiled
 def bound(n, tables, loose):
     """Bounds of all bodies, grown by half of the margin between two."""
-    cores, bounds, grown = loose.cores, loose.bounds, (1.0 + 0.5 * MARGIN) * loose.touch.radius
+    cores = loose.cores
+    bounds = loose.bounds
+    grown = (1.0 + 0.5 * MARGIN) * loose.touch.radius
     for b in range(len(cores)):
         cos, sin = turn_of(n, tables, b)
-        half_x, half_z = (
-            0.5 * (cores[b, RIGHT] - cores[b, LEFT]),
-            0.5 * (cores[b, HIGH] - cores[b, LOW]),
-        )
-        off_x, off_z = (
-            0.5 * (cores[b, RIGHT] + cores[b, LEFT]),
-            0.5 * (cores[b, HIGH] + cores[b, LOW]),
-        )
+        half_x = 0.5 * (cores[b, RIGHT] - cores[b, LEFT])
+        half_z = 0.5 * (cores[b, HIGH] - cores[b, LOW])
+        off_x = 0.5 * (cores[b, RIGHT] + cores[b, LEFT])
+        off_z = 0.5 * (cores[b, HIGH] + cores[b, LOW])
         x = centre_of(n, tables, loose, b, X) + cos * off_x - sin * off_z
         z = centre_of(n, tables, loose, b, Z) + sin * off_x + cos * off_z
         wide = half_x * abs(cos) + half_z * abs(sin) + grown
         tall = half_x * abs(sin) + half_z * abs(cos) + grown
-        bounds[b, 0], bounds[b, 1], bounds[b, 2], bounds[b, 3] = (
-            x - wide,
-            x + wide,
-            z - tall,
-            z + tall,
-        )
+        bounds[b, 0] = x - wide
+        bounds[b, 1] = x + wide
+        bounds[b, 2] = z - tall
+        bounds[b, 3] = z + tall
         for k in range(RIGID):
             loose.seen[b, k] = place_of(n, tables.bodies, b, k)
         loose.joined[b] = -1
@@ -488,7 +495,8 @@ def keep(loose):
     loose.first[:] = -1
     for row in range(loose.counts[PAIRS]):
         a = loose.pairs[row, 0]
-        loose.kept_pairs[row, 0], loose.kept_pairs[row, 1] = a, loose.pairs[row, 1]
+        loose.kept_pairs[row, 0] = a
+        loose.kept_pairs[row, 1] = loose.pairs[row, 1]
         copy_springs(loose.springs, row, loose.kept_springs, row)
         loose.following[row] = loose.first[a]
         loose.first[a] = row
@@ -511,7 +519,8 @@ def add_pair(loose, a, b):
         loose.counts[FULL] += 1
         return -1
     loose.counts[PAIRS] = row + 1
-    loose.pairs[row, 0], loose.pairs[row, 1] = min(a, b), max(a, b)
+    loose.pairs[row, 0] = min(a, b)
+    loose.pairs[row, 1] = max(a, b)
     return row
 
 
@@ -540,7 +549,8 @@ def copy_springs(springs, row, others, other):
 def meet(n, tables, loose, row, energy):
     """Start a loose pair whose overlapping corners store an energy [J], equal parts each; returns
     what they store: zero where none overlaps, at most that of an overlap of a radius in each."""
-    overlapping, wide = 0, 2.0 * loose.touch.radius
+    overlapping = 0
+    wide = 2.0 * loose.touch.radius
     loose.springs[row] = 0.0
     for k in range(2 * CORNERS):
         p, c = bodies_of(loose, row, k)
@@ -589,7 +599,8 @@ def ends_too(n, tables, loose, p, step, motion):
     """
     if loose is None:
         return False
-    interface, failed = tables.interfaces[p], load(n, tables.limits, p, HAS_FAILED)
+    interface = tables.interfaces[p]
+    failed = load(n, tables.limits, p, HAS_FAILED)
     least = motion.opening - springs_of(n, tables, p, True).reach * abs(motion.rotation)
     if failed == FAILED and least > 2.0 * loose.touch.radius:
         return True
@@ -608,7 +619,8 @@ def break_bonds(n, tables, interface, step, motion):
             return False
     for i in range(interface.start, interface.stop):
         if load(n, tables.states, i, contacts.BROKEN) == 0.0:
-            trial, area = contacts.present_forces(n, tables, i, motion), tables.contacts[i].area
+            trial = contacts.present_forces(n, tables, i, motion)
+            area = tables.contacts[i].area
             store(n, tables.states, i, contacts.BROKEN, 1.0)
             contacts.log_event(
                 tables, n.lane, step, i, TENSION, (trial.sigma / area, trial.tau / area, 0.0, 0.0)

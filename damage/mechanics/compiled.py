@@ -155,7 +155,9 @@ class _Announcement(event.Listener):
     and others while that lasts; numba reports nothing of functions that it loads from its cache."""
 
     def __init__(self):
-        self.began, self.depth, self.ended = None, 0, Event()
+        self.began = None
+        self.depth = 0
+        self.ended = Event()
         self.ended.set()
 
     def on_start(self, event):
@@ -189,6 +191,8 @@ def _is_ours(event):
 
 
 event.register("numba:compile", _Announcement())
-compiled, inlined, entry = _compiler(), _compiler(inline=True), _compiler(is_entry=True)
+compiled = _compiler()
+inlined = _compiler(inline=True)
+entry = _compiler(is_entry=True)
 """Decorators of a function with machine code of its own, of one that is compiled into its callers,
 of one that Python calls, too."""

@@ -81,7 +81,8 @@ class Points(NamedTuple):
 @inlined
 def elastic_trial(n, tables, i, motion):
     """Trial of contact point i at a RelativeMotion of its interface."""
-    offset, states = tables.contacts[i].offset, tables.states
+    offset = tables.contacts[i].offset
+    states = tables.states
     kn, ks = rows.stiffness_of(n, tables, i)
     opening = motion.opening + offset * motion.rotation + load(n, states, i, CLOSURE)
     stiffness = either(opening > 0.0, load(n, states, i, TENSION_STIFFNESS), kn)
@@ -115,7 +116,9 @@ def present_forces(n, tables, i, motion):
 @inlined
 def present_resultant(n, tables, points, motion):
     """Resultant of Points after the law was evaluated [N, N m]."""
-    normal, shear, couple = zero(n), zero(n), zero(n)
+    normal = zero(n)
+    shear = zero(n)
+    couple = zero(n)
     for i in range(points.start, points.stop):
         trial = present_forces(n, tables, i, motion)
         normal = normal + trial.sigma
@@ -129,9 +132,13 @@ def elastic_resultant(n, tables, points, motion, which):
     """Resultant of Points as springs [N, N m], and those of the walls `which` (flags) in which all
     stay in their elastic range."""
     states = tables.states
-    normal, shear, couple, elastic = zero(n), zero(n), zero(n), which
+    normal = zero(n)
+    shear = zero(n)
+    couple = zero(n)
+    elastic = which
     for i in range(points.start, points.stop):
-        trial, left = elastic_trial(n, tables, i, motion), rows.range_now(n, states, i)
+        trial = elastic_trial(n, tables, i, motion)
+        left = rows.range_now(n, states, i)
         is_open = stays_open(n, states, i, trial.opening) & which
         if bits(is_open):
             store_where(n, states, i, SHEAR0, is_open, motion.shear)
@@ -149,10 +156,12 @@ def elastic_resultant(n, tables, points, motion, which):
 @inlined
 def intact_resultant(n, tables, i, motion, which):
     """`elastic_resultant` of contact point i that is an intact spring in all walls."""
-    offset, (kn, ks) = tables.contacts[i].offset, rows.stiffness_of(n, tables, i)
+    offset = tables.contacts[i].offset
+    (kn, ks) = rows.stiffness_of(n, tables, i)
     # Adding zero, as the law adds closure and earlier force, turns -0 into +0: the bits stay equal.
     sigma = kn * (motion.opening + offset * motion.rotation + 0.0)
-    tau, left = ks * motion.shear + 0.0, rows.range_now(n, tables.states, i)
+    tau = ks * motion.shear + 0.0
+    left = rows.range_now(n, tables.states, i)
     elastic = joint_law.stays_elastic(
         sigma, tau, left.tensile_strength, left.cohesion, left.friction
     )
@@ -202,7 +211,8 @@ def law_resultant(n, tables, threshold, points, step, motion, before, damped):
     normal = shear = couple = d_normal = d_shear = d_couple = 0.0
     failed = False
     for i in range(points.start, points.stop):
-        offset, trial = tables.contacts[i].offset, elastic_trial(n, tables, i, motion)
+        offset = tables.contacts[i].offset
+        trial = elastic_trial(n, tables, i, motion)
         kappa = load(n, tables.states, i, KAPPA)
         intact = load(n, tables.states, i, BROKEN) == 0.0 and kappa == 0.0
         last = trial
@@ -231,7 +241,9 @@ def ask_law(n, tables, i, trial, shear):
     trial: Trial; shear: shear displacement now [m].  Returns as `joint_law.advance`, with forces
     [N] and works [J].
     """
-    states, energy, parameters = tables.states, tables.energy, parameters_of(n, tables, i)
+    states = tables.states
+    energy = tables.energy
+    parameters = parameters_of(n, tables, i)
     old = rows.law_state(n, states, i)
     opening = trial.opening - load(n, states, i, CLOSURE)
     new, event = joint_law.advance(opening, shear - load(n, states, i, SHEAR0), old, parameters)
@@ -275,15 +287,18 @@ def confine(n, tables, cuts, which):
 @inlined
 def confine_one(n, tables, cuts, k):
     """`confine` of cut k of one wall."""
-    p, sigma = cuts.interface[k], 0.0
+    p = cuts.interface[k]
+    sigma = 0.0
     for m in range(cuts.start[k], cuts.start[k + 1]):
         sigma += 0.25 * rows.reading_of(n, tables.readings, cuts.contact[m]).sigma
     strength = joint_law.diagonal_tension(cuts.strength[n.lane], sigma)
     for i in range(tables.interfaces[p].start, tables.interfaces[p].stop):
-        states, cohesion = tables.states, strength * tables.contacts[i].area
+        states = tables.states
+        cohesion = strength * tables.contacts[i].area
         store(n, tables.strengths, i, COHESION, cohesion)
         if load(n, states, i, BROKEN) == 0.0:
-            parameters, kappa = parameters_of(n, tables, i), load(n, states, i, KAPPA)
+            parameters = parameters_of(n, tables, i)
+            kappa = load(n, states, i, KAPPA)
             store(n, states, i, COHESION_LEFT, joint_law.strength_left(False, parameters, kappa)[1])
         slide = cohesion / rows.stiffness_of(n, tables, i)[1]
         store(n, tables.limits, p, LARGEST_SLIDE, slide)
@@ -299,7 +314,9 @@ def correct_fracture(n, tables, i, last, trial, new, event):
     bond counts from no shear stress at all.  last, trial: Trial of the last step and now; new,
     event: as of `joint_law.advance`.
     """
-    (kn, ks), sigma, tau = rows.stiffness_of(n, tables, i), new.normal_stress, new.shear_stress
+    (kn, ks) = rows.stiffness_of(n, tables, i)
+    sigma = new.normal_stress
+    tau = new.shear_stress
     if event != INTACT:
         work = (trial.sigma - sigma) * (trial.sigma - last.sigma) / kn + (trial.tau - tau) * (
             trial.tau - last.tau
@@ -315,7 +332,8 @@ def correct_fracture(n, tables, i, last, trial, new, event):
 def log(n, tables, threshold, i, step, trial, new, event):
     """Log the failure of contact point i, and the first times that its opening and slip exceed the
     threshold [m]."""
-    area, passed = tables.contacts[i].area, int(load(n, tables.states, i, PASSED))
+    area = tables.contacts[i].area
+    passed = int(load(n, tables.states, i, PASSED))
     kn = rows.stiffness_of(n, tables, i)[0]
     opening = joint_law.inelastic_opening(trial.opening, new.normal_stress, kn)
     opens = opening > threshold and not passed & 1
@@ -338,7 +356,9 @@ def log_event(tables, w, step, i, kind, values):
     row = tables.n_events[w, 0]
     tables.n_events[w, 0] += 1
     if row < tables.events.shape[1]:
-        tables.events[w, row, 0], tables.events[w, row, 1], tables.events[w, row, 2] = step, i, kind
+        tables.events[w, row, 0] = step
+        tables.events[w, row, 1] = i
+        tables.events[w, row, 2] = kind
         for k, value in enumerate(values):
             tables.values[w, row, k] = value
 
@@ -352,9 +372,13 @@ def let_go(n, tables, i, motion):
     central differences, a force that vanishes in a step still does half of its work; the remaining
     elastic energy counts as friction.
     """
-    states, energy, contact = tables.states, tables.energy, tables.contacts[i]
+    states = tables.states
+    energy = tables.energy
+    contact = tables.contacts[i]
     last = rows.reading_of(n, tables.readings, i)
-    sigma, tau, slid = last.sigma * contact.area, last.tau * contact.area, motion.shear - last.shear
+    sigma = last.sigma * contact.area
+    tau = last.tau * contact.area
+    slid = motion.shear - last.shear
     add(
         n,
         energy,
@@ -378,7 +402,8 @@ def read(n, tables, i, motion, which):
 
     Called after its forces are known: it is then a spring about its new state.
     """
-    trial, area = present_forces(n, tables, i, motion), tables.contacts[i].area
+    trial = present_forces(n, tables, i, motion)
+    area = tables.contacts[i].area
     rows.keep_reading(
         n,
         tables.readings,

@@ -41,8 +41,10 @@ def remember_last(n, tables, strain, which):
     the next step, in the walls `which` (bits)."""
     asked = flags_of(n, which)
     for p in range(len(tables.interfaces)):
-        interface, motion = tables.interfaces[p], rows.moved(n, tables, p)[1]
-        start, size = ROW(interface.start), strain_modes.points_at_once(strain, interface)
+        interface = tables.interfaces[p]
+        motion = rows.moved(n, tables, p)[1]
+        start = ROW(interface.start)
+        size = strain_modes.points_at_once(strain, interface)
         while start < interface.stop:
             points = Points(p, start, start + size, strain_modes.last_row(strain, p, start))
             here = strain_modes.motion_at(n, tables.bodies, strain, interface, start, motion)

@@ -10,7 +10,8 @@ from damage.mechanics.tables import FRICTION, INPUT, ROTATION, Beam, Bearing, X,
 def hold_rotations(n, tables):
     """Add the moments of the rotational springs by which bodies are held."""
     for b in range(len(tables.turning)):
-        stiffness, rest = load(n, tables.turning, b, 0), load(n, tables.turning, b, 2)
+        stiffness = load(n, tables.turning, b, 0)
+        rest = load(n, tables.turning, b, 2)
         moment = stiffness * (rows.place_of(n, tables.bodies, b, ROTATION) - rest)
         add(
             n,
@@ -32,8 +33,13 @@ def spread(n, tables):
     """
     bench = rows.bench_of(n, tables.bench, 0)
     place, velocity, before = rows.beam_of(n, tables.beam, 0)
-    dt, x, force = bench.step, rows.first_force(tables.bodies) + X, before
-    there, speed, mean, local = zero(n), zero(n), zero(n), bits(bench.local > 0.0) > 0
+    dt = bench.step
+    x = rows.first_force(tables.bodies) + X
+    force = before
+    there = zero(n)
+    speed = zero(n)
+    mean = zero(n)
+    local = bits(bench.local > 0.0) > 0
     for b in range(len(tables.turning)):
         share = load(n, tables.turning, b, 1)
         there = there + share * rows.place_of(n, tables.bodies, b, X)
@@ -42,13 +48,16 @@ def spread(n, tables):
     lost = bench.alpha * (1.0 - bench.follow) * (speed - mean)
     change = (place - there) / dt - speed + dt * lost
     for _ in range(4 if local else 1):
-        rate, freedom = zero(n), zero(n)
+        rate = zero(n)
+        freedom = zero(n)
         for b in range(len(tables.turning)):
-            share, own = load(n, tables.turning, b, 1), load(n, tables.bodies, b, x)
+            share = load(n, tables.turning, b, 1)
+            own = load(n, tables.bodies, b, x)
             power = (own + share * force) * rows.velocity_of(n, tables.inertia, b, X)
             damped = either(power > 0.0, bench.local, either(power < 0.0, -bench.local, 0.0))
             free = share * (1.0 - damped) * rows.inverse_mass_of(n, tables.inertia, b, X)
-            rate, freedom = rate + free * own, freedom + free * share
+            rate = rate + free * own
+            freedom = freedom + free * share
         spreads = freedom > 0.0
         force = (change / dt - rate) / either(spreads, freedom, 1.0)
         force = either(spreads, force, 0.0)

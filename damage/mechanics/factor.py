@@ -46,17 +46,22 @@ class ScaledMass:
     other; matrix: its Matrix, without room."""
 
     def __init__(self, key, layout, time_step, beta, held, of):
-        self.key, self.beta, self.of = key, beta, of
+        self.key = key
+        self.beta = beta
+        self.of = of
         self.whole = _scaled(layout, time_step, beta, held, of)
         self.matrix = self._factor(layout)
 
     def _factor(self, layout):
         """The Matrix without room; nothing couples the supports, whose nodes are the last, nor
         bodies without these contact points, whose nodes are the first."""
-        factor, size = factorised(self.whole), self.whole.values.shape[1]
-        contacts, supports = layout.contacts, len(layout.supports)
+        factor = factorised(self.whole)
+        size = self.whole.values.shape[1]
+        contacts = layout.contacts
+        supports = len(layout.supports)
         scaled = np.isin(factor.order, [contacts.first[self.of], contacts.second[self.of]])
-        nodes, bodies = factor.per_body, len(factor.order)
+        nodes = factor.per_body
+        bodies = len(factor.order)
         order = [*factor.order, *range(bodies, bodies + supports)]
         first = np.arange(0, size, RIGID)  # coordinate of each node of a body
         count = np.minimum(size - first, RIGID)
@@ -78,10 +83,13 @@ class ScaledMass:
 
 def _scaled(layout, time_step, beta, held, of):
     """`whole` of a ScaledMass."""
-    half, ground, strain = 0.5 * time_step, layout.contacts.first < 0, layout.strain
+    half = 0.5 * time_step
+    ground = layout.contacts.first < 0
+    strain = layout.strain
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     share = [half * (time_step + beta + time * ground) for time in radiation_times(layout.options)]
-    own, free = np.where(mass > 0, mass, MASSLESS), mass > 0
+    own = np.where(mass > 0, mass, MASSLESS)
+    free = mass > 0
     if strain:
         own[:, RIGID:] += half * (time_step * strain.stiffness + strain.damping * strain.mass)
     free.flat[held] = False

@@ -123,19 +123,20 @@ def relative_motion(line, a, b):
     """Frame and RelativeMotion of an interface; line: Line; a, b: Pose of its bodies."""
     # Displacement of the middle of the line with either body by its rotation, and the distance of
     # both positions.
-    dax, daz = a.cos1 * line.ax - a.sin * line.az, a.sin * line.ax + a.cos1 * line.az
-    dbx, dbz = b.cos1 * line.bx - b.sin * line.bz, b.sin * line.bx + b.cos1 * line.bz
+    dax = a.cos1 * line.ax - a.sin * line.az
+    daz = a.sin * line.ax + a.cos1 * line.az
+    dbx = b.cos1 * line.bx - b.sin * line.bz
+    dbz = b.sin * line.bx + b.cos1 * line.bz
     dx = (b.x - a.x) + (dbx - dax)
     dz = (b.z - a.z) + (dbz - daz)
     # Normal n and tangent t, at the mean rotation.
-    c, s = 1.0 + 0.5 * (a.cos1 + b.cos1), 0.5 * (a.sin + b.sin)
+    c = 1.0 + 0.5 * (a.cos1 + b.cos1)
+    s = 0.5 * (a.sin + b.sin)
     head = line.head > 0.0
-    nx, nz, tx, tz = (
-        either(head, c, -s),
-        either(head, s, c),
-        either(head, -s, c),
-        either(head, c, s),
-    )
+    nx = either(head, c, -s)
+    nz = either(head, s, c)
+    tx = either(head, -s, c)
+    tz = either(head, c, s)
     rotation = (b.sin - a.sin) + (b.sin * a.cos1 - a.sin * b.cos1)
     frame = Frame(
         nx,
@@ -238,7 +239,8 @@ def add_dashpots(dashpots, last, dt, motion, before, resultant, elastic_change):
     """Resultant with dashpots beside the springs, the Resultant of the dashpots [N, N m], and their
     work by the trapezoidal rule over the step [J]; last: their Resultant in the last step; dt: time
     step [s]; otherwise as `add_viscous`."""
-    across, along = dashpots.across / dt, dashpots.along / dt
+    across = dashpots.across / dt
+    along = dashpots.along / dt
     now = Resultant(
         across * elastic_change.normal, along * elastic_change.shear, across * elastic_change.couple
     )

@@ -57,26 +57,30 @@ from damage.mechanics.tables import (
 )
 
 NORMAL_STIFFNESS, SHEAR_STIFFNESS = map(STRENGTHS.index, ("normal_stiffness", "shear_stiffness"))
-law_state, keep_law_state = (
-    reader(ContactState, CONTACT_FIELDS),
-    writer(ContactState, CONTACT_FIELDS),
-)
-range_now, keep_range = (
-    reader(ElasticRange, CONTACT_FIELDS, "elastic_"),
-    writer(ElasticRange, CONTACT_FIELDS, "elastic_"),
-)
+law_state = reader(ContactState, CONTACT_FIELDS)
+keep_law_state = writer(ContactState, CONTACT_FIELDS)
+range_now = reader(ElasticRange, CONTACT_FIELDS, "elastic_")
+keep_range = writer(ElasticRange, CONTACT_FIELDS, "elastic_")
 strengths_of = reader(Strengths, STRENGTHS)
 material_of = reader(Material, Material._fields)
-reading_of, keep_reading = reader(Reading, READINGS), writer(Reading, READINGS)
-bench_of, keep_bench = reader(Bench, Bench._fields), writer(Bench, Bench._fields)
-bearing_of, keep_bearing = reader(Bearing, Bearing._fields), writer(Bearing, Bearing._fields)
-beam_of, keep_beam = reader(Beam, Beam._fields), writer(Beam, Beam._fields)
+reading_of = reader(Reading, READINGS)
+keep_reading = writer(Reading, READINGS)
+bench_of = reader(Bench, Bench._fields)
+keep_bench = writer(Bench, Bench._fields)
+bearing_of = reader(Bearing, Bearing._fields)
+keep_bearing = writer(Bearing, Bearing._fields)
+beam_of = reader(Beam, Beam._fields)
+keep_beam = writer(Beam, Beam._fields)
 limits_of = reader(ElasticLimits, LIMITS)
-line_in, shared_in = reader(Line, LINES), reader(Springs, LINES)
+line_in = reader(Line, LINES)
+shared_in = reader(Springs, LINES)
 springs_in = reader(Springs, SPRINGS)
-last_motion, last_resultant = reader(RelativeMotion, LAST), reader(Resultant, LAST, "last_")
-keep_motion, keep_resultant = writer(RelativeMotion, LAST), writer(Resultant, LAST, "last_")
-dashpots_of, dashpots_last = reader(Dashpots, RADIATION), reader(Resultant, RADIATION, "last_")
+last_motion = reader(RelativeMotion, LAST)
+last_resultant = reader(Resultant, LAST, "last_")
+keep_motion = writer(RelativeMotion, LAST)
+keep_resultant = writer(Resultant, LAST, "last_")
+dashpots_of = reader(Dashpots, RADIATION)
+dashpots_last = reader(Resultant, RADIATION, "last_")
 keep_dashpots = writer(Resultant, RADIATION, "last_")
 
 
@@ -135,7 +139,8 @@ def pose_at(n, bodies, rows, p):
 def push_at(n, bodies, first, second, p, forces, which):
     """Add BodyForces to rigid bodies first[p] and second[p], or to eight of both from there on,
     where `which` is."""
-    x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
+    x = either(which, forces.x, 0.0)
+    z = either(which, forces.z, 0.0)
     add_three(
         n,
         bodies,
@@ -160,7 +165,8 @@ def push_body(n, bodies, b, x, z, moment):
 @inlined
 def push(n, bodies, interface, forces, which):
     """Add BodyForces of an interface to the forces on its bodies in the walls `which` (flags)."""
-    x, z = either(which, forces.x, 0.0), either(which, forces.z, 0.0)
+    x = either(which, forces.x, 0.0)
+    z = either(which, forces.z, 0.0)
     push_body(n, bodies, interface.a, x, z, either(which, forces.moment_a, 0.0))
     push_body(n, bodies, interface.b, -x, -z, -either(which, forces.moment_b, 0.0))
 
@@ -181,12 +187,10 @@ def force_of(n, bodies, b, k):
 
 
 place_of = column(PLACE, 1)
-velocity_of, mass_of, inverse_mass_of, mean_of = (
-    column(VELOCITY, INERTIAL),
-    column(MASS, INERTIAL),
-    column(INVERSE_MASS, INERTIAL),
-    column(MEAN, INERTIAL),
-)
+velocity_of = column(VELOCITY, INERTIAL)
+mass_of = column(MASS, INERTIAL)
+inverse_mass_of = column(INVERSE_MASS, INERTIAL)
+mean_of = column(MEAN, INERTIAL)
 """(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass
 its inverse, zero where the velocity is prescribed, and running mean of the velocity."""
 

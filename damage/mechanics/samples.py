@@ -29,7 +29,9 @@ from damage.mechanics.scaling import scaled_kinetic_energy
 from damage.mechanics.simd import argument, either, lane, lanes, load, wall_of, zero
 from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
-KINETIC, ELASTIC, TOTALS = 0, 5, 6
+KINETIC = 0
+ELASTIC = 5
+TOTALS = 6
 """Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of
 deformable bricks and of loose contacts [J]; and length of the totals."""
 
@@ -61,7 +63,8 @@ class Samples(NamedTuple):
     def none(cls, n_walls, n_samples, system, n_supports, with_stresses=True):
         """Samples with all values zero; system: System of one of the walls, whose last bodies are
         the supports."""
-        n_contacts, n_bodies = len(system.contacts), len(system.place)
+        n_contacts = len(system.contacts)
+        n_bodies = len(system.place)
         return cls(
             np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)),
             np.zeros((n_walls, n_samples, n_contacts)),
@@ -99,7 +102,8 @@ def observe(n, tables, model, ending, sampling):
         if ending >> w & 1:
             observe_failed(wall_of(n, w), tables, sampling, w)
             observe_places(wall_of(n, w), tables, sampling, w)
-            totals, k = sampling.samples.totals, sampling.taken[w]
+            totals = sampling.samples.totals
+            k = sampling.taken[w]
             totals[w, k, KINETIC] = lane(kinetic, w)
             totals[w, k, ELASTIC] = lane(elastic, w)
             for i in range(ELASTIC - KINETIC - 1):
@@ -112,7 +116,8 @@ def observe(n, tables, model, ending, sampling):
 def observe_stored(n, tables, ending, sampling):
     """Write the elastic energies of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
-        now, of = reading_of(n, tables.readings, c), strengths_of(n, tables.strengths, c)
+        now = reading_of(n, tables.readings, c)
+        of = strengths_of(n, tables.strengths, c)
         stored = tables.contacts[c].area * elastic_energy(
             now.sigma, now.tau, of.normal_stiffness, of.shear_stiffness
         )
@@ -151,13 +156,13 @@ def observe_contact(n, tables, sampling, w, c):
     opening: total of a failed bond, inelastic part of a softened one; offset: shear displacement
     less its elastic part.
     """
-    samples, k = sampling.samples, sampling.taken[w]
-    states, now = tables.states, reading_of(n, tables.readings, c)
+    samples = sampling.samples
+    k = sampling.taken[w]
+    states = tables.states
+    now = reading_of(n, tables.readings, c)
     kn = stiffness_of(n, tables, c)[0]
-    broken, softened = (
-        load(n, states, c, contacts.BROKEN) > 0.0,
-        load(n, states, c, contacts.KAPPA) > 0.0,
-    )
+    broken = load(n, states, c, contacts.BROKEN) > 0.0
+    softened = load(n, states, c, contacts.KAPPA) > 0.0
     force = now.sigma * tables.contacts[c].area
     inelastic = now.opening - force / kn
     opening = offset = 0.0
@@ -186,8 +191,11 @@ def positive(value):
 def observe_places(n, tables, sampling, w):
     """Write displacements of the bodies, forces on the supports and, where there is room for them,
     stresses into the next sample of wall w; n: its width."""
-    samples, k = sampling.samples, sampling.taken[w]
-    bodies, displacement, support_force = tables.bodies, samples.displacement, samples.support_force
+    samples = sampling.samples
+    k = sampling.taken[w]
+    bodies = tables.bodies
+    displacement = samples.displacement
+    support_force = samples.support_force
     supports = displacement.shape[2] - support_force.shape[2]
     for b in range(displacement.shape[2]):
         for axis in range(displacement.shape[3]):
@@ -197,7 +205,8 @@ def observe_places(n, tables, sampling, w):
                 support_force[w, k, b - supports, axis] = force_of(n, bodies, b, axis)
     for c in range(samples.stress.shape[3]):
         now = reading_of(n, tables.readings, c)
-        samples.stress[w, k, 0, c], samples.stress[w, k, 1, c] = now.sigma, now.tau
+        samples.stress[w, k, 0, c] = now.sigma
+        samples.stress[w, k, 1, c] = now.tau
 
 
 @inlined
@@ -213,8 +222,11 @@ def energies_of_bodies(n, tables, matrix, strain):
 def kinetic_energy_of(n, tables):
     """Kinetic energy of rigid motion at the time of the displacements [J], to which velocities are
     advanced by half a step."""
-    bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
-    energy, half = zero(n), 0.5 * bench.step
+    bodies = tables.bodies
+    inertia = tables.inertia
+    bench = bench_of(n, tables.bench, 0)
+    energy = zero(n)
+    half = 0.5 * bench.step
     for b in range(len(bodies)):
         x = half_step_on(n, bodies, inertia, b, X, bench.base_x, half)
         z = half_step_on(n, bodies, inertia, b, Z, bench.pull_z, half)
@@ -229,7 +241,8 @@ def kinetic_energy_of(n, tables):
 def half_step_on(n, bodies, inertia, b, k, field, half):
     """Velocity of a coordinate, advanced by half a step; field: acceleration of the base and
     gravity [m/s2]."""
-    free, force = inverse_mass_of(n, inertia, b, k), force_of(n, bodies, b, k)
+    free = inverse_mass_of(n, inertia, b, k)
+    force = force_of(n, bodies, b, k)
     return velocity_of(n, inertia, b, k) + either(free > 0.0, half * (force * free - field), 0.0)
 
 
@@ -240,11 +253,14 @@ def input_of_half_a_step(n, tables):
     A step adds the work from half a step before its forces to half a step after them; at a sample
     the last half is missing.
     """
-    bodies, inertia, bench = tables.bodies, tables.inertia, bench_of(n, tables.bench, 0)
+    bodies = tables.bodies
+    inertia = tables.inertia
+    bench = bench_of(n, tables.bench, 0)
     power = zero(n)
     for b in range(len(bodies)):
         for axis in range(RIGID):
-            swept, velocity = zero(n), velocity_of(n, inertia, b, axis)
+            swept = zero(n)
+            velocity = velocity_of(n, inertia, b, axis)
             if axis != ROTATION:
                 swept = (
                     mass_of(n, inertia, b, axis)

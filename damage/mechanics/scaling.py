@@ -47,14 +47,19 @@ class Node(NamedTuple):
 def move_scaled(n, tables, matrix, strain, damped):
     """Advance all bodies by a step with mass scaling; damped: as of
     `damage.mechanics.bodies.rates`."""
-    places, sums, room = tables.bodies, tables.sums, matrix.room
+    places = tables.bodies
+    sums = tables.sums
+    room = matrix.room
     bench = bench_of(n, tables.bench, 0)
     move_alone(n, tables, matrix, damped)
     find_rates(n, tables, matrix, strain, damped, matrix.alone)
     for i in range(matrix.alone, len(matrix.body)):
-        b, first = matrix.body[i], matrix.first[i]
+        b = matrix.body[i]
+        first = matrix.first[i]
         for k in range(matrix.count[i]):
-            c, rate, lost = first + k, load(n, room, i, k), load(n, room, i, LOST + k)
+            c = first + k
+            rate = load(n, room, i, k)
+            lost = load(n, room, i, LOST + k)
             force = force_of(n, places, b, c)
             swept, driven, taken, new = advance(
                 n, tables.inertia, b, c, bench.step, rate, lost, force
@@ -73,9 +78,12 @@ def move_scaled(n, tables, matrix, strain, damped):
 def move_alone(n, tables, matrix, damped):
     """Advance the uncoupled bodies by a step; of a single wall eight at once where all eight rows
     of a block of the table are uncoupled."""
-    wide, bench, i = widest(n), bench_of(n, tables.bench, 0), 0
+    wide = widest(n)
+    bench = bench_of(n, tables.bench, 0)
+    i = 0
     while i < matrix.alone:
-        b, last = matrix.body[i], i + rows_of(wide) - 1
+        b = matrix.body[i]
+        last = i + rows_of(wide) - 1
         if b % rows_of(wide) == 0 and last < matrix.alone and matrix.body[last] - b == last - i:
             add_part(wide, tables.sums, TAKEN, b, move_rigidly(wide, tables, bench, b, damped))
             i = last + 1
@@ -89,13 +97,17 @@ def find_rates(n, tables, matrix, strain, damped, since):
     """Write the rates of change of the velocities of the nodes from `since` on into the room, and
     behind them mass times deceleration by damping; damped: as of `damage.mechanics.bodies.rates`.
     """
-    places, inertia, room = tables.bodies, tables.inertia, matrix.room
+    places = tables.bodies
+    inertia = tables.inertia
+    room = matrix.room
     bench = bench_of(n, tables.bench, 0)
     for i in range(since, len(matrix.body)):
         b = matrix.body[i]
         for k in range(matrix.count[i]):
-            c, lost = matrix.first[i] + k, zero(n)
-            old, mass = velocity_of(n, inertia, b, c), mass_of(n, inertia, b, c)
+            c = matrix.first[i] + k
+            lost = zero(n)
+            old = velocity_of(n, inertia, b, c)
+            mass = mass_of(n, inertia, b, c)
             force = force_of(n, places, b, c)
             if strain is not None and c >= RIGID:
                 force = force - strain.stiffness[b, c - RIGID] * place_of(n, places, b, c)
@@ -112,7 +124,10 @@ def find_rates(n, tables, matrix, strain, damped, since):
 def solve(n, matrix, since):
     """Replace the first three fields of the room by the solution of L D L' x = them; nothing
     couples the nodes before `since`."""
-    room, start, below, e = matrix.room, matrix.start, matrix.below, ROW(0)
+    room = matrix.room
+    start = matrix.start
+    below = matrix.below
+    e = ROW(0)
     for node in range(since, len(matrix.body)):
         known = values_of(n, room, node)
         while e < start[node + 1]:
@@ -180,12 +195,15 @@ def scaled_kinetic_energy(n, tables, matrix, strain):
     """Kinetic energy at the time of the displacements [J], to which velocities are advanced by half
     a step."""
     find_rates(n, tables, matrix, strain, False, 0)
-    room, half = matrix.room, 0.5 * bench_of(n, tables.bench, 0).step
+    room = matrix.room
+    half = 0.5 * bench_of(n, tables.bench, 0).step
     for i in range(len(matrix.body)):
         for k in range(matrix.count[i]):
             velocity = velocity_of(n, tables.inertia, matrix.body[i], matrix.first[i] + k)
             store(n, room, i, k, velocity + half * load(n, room, i, k))
-    energy, lower, e = zero(n), matrix.lower, ROW(0)
+    energy = zero(n)
+    lower = matrix.lower
+    e = ROW(0)
     for i in range(len(matrix.body)):
         x, z, r = values_of(n, room, i)
         while e < matrix.start[i + 1]:

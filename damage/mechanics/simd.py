@@ -81,7 +81,9 @@ class Rows(NamedTuple):
     lane: int
 
 
-ONE, EIGHT, ROWS = One(0), Eight(0), Rows(0)
+ONE = One(0)
+EIGHT = Eight(0)
+ROWS = Rows(0)
 
 
 def is_wide(n):
@@ -242,8 +244,12 @@ class Vector(types.Type):
     """numba's type of a vector of WIDTH numbers, or of WIDTH flags."""
 
 
-NUMBERS, FLAGS = Vector(f"{WIDTH} numbers"), Vector(f"{WIDTH} flags")
-_INT, _LONG, _REAL, _FLAG = ir.IntType(32), ir.IntType(64), ir.DoubleType(), ir.IntType(1)
+NUMBERS = Vector(f"{WIDTH} numbers")
+FLAGS = Vector(f"{WIDTH} flags")
+_INT = ir.IntType(32)
+_LONG = ir.IntType(64)
+_REAL = ir.DoubleType()
+_FLAG = ir.IntType(1)
 _VECTORS = {NUMBERS: ir.VectorType(_REAL, WIDTH), FLAGS: ir.VectorType(_FLAG, WIDTH)}
 _FOUR = ir.VectorType(_REAL, 4)
 
@@ -457,7 +463,8 @@ def _pointer(context, builder, signature, values, row=None, field=None, single=F
 
     row, field: others, as `_whole`; single: to the number of a table of one wall.
     """
-    kind, n = signature.args[1], One if single else signature.args[0].instance_class
+    kind = signature.args[1]
+    n = One if single else signature.args[0].instance_class
     row = _whole(context, builder, signature, values, 2) if row is None else row
     field = _whole(context, builder, signature, values, 3) if field is None else field
     array = context.make_array(kind)(context, builder, values[1])
@@ -495,7 +502,8 @@ def _store(context, builder, signature, values):
 
 @_compiles(add_part, lambda n, sums, kind, row, value: types.none)
 def _add_part(context, builder, signature, values):
-    n, part = signature.args[0], _LONG(0)
+    n = signature.args[0]
+    part = _LONG(0)
     single = n.instance_class is Rows
     if not single:
         part = builder.and_(_whole(context, builder, signature, values, 3), _LONG(WIDTH - 1))
@@ -541,12 +549,10 @@ def _named(context, builder, signature, values, rows):
     """Pointers to the first of four fields of each row that argument number `rows` names, an array
     of uint32."""
     places = context.make_array(signature.args[rows])(context, builder, values[rows]).data
-    single, (k, field) = (
-        signature.args[0].instance_class is Rows,
-        (
-            _whole(context, builder, signature, values, i)
-            for i in ((4, 5) if len(values) == 8 else (3, 4))
-        ),
+    single = signature.args[0].instance_class is Rows
+    (k, field) = (
+        _whole(context, builder, signature, values, i)
+        for i in ((4, 5) if len(values) == 8 else (3, 4))
     )
     for i in range(WIDTH if single else 1):
         row = builder.load(builder.gep(places, [builder.add(k, _LONG(i))]))
@@ -572,10 +578,8 @@ def _four(context, builder, signature, values):
 
 @_compiles(put_four, lambda n, table, rows, k, field, values: types.none)
 def _put_four(context, builder, signature, values):
-    pointers, four_of = (
-        [*_named(context, builder, signature, values, 2)],
-        [builder.extract_value(values[5], i) for i in range(4)],
-    )
+    pointers = [*_named(context, builder, signature, values, 2)]
+    four_of = [builder.extract_value(values[5], i) for i in range(4)]
     if signature.args[0].instance_class is not Rows:
         pairs = [(value, builder.gep(pointers[0], [_INT(i)])) for i, value in enumerate(four_of)]
     else:
@@ -590,10 +594,8 @@ def _put_four(context, builder, signature, values):
 
 def _added(context, builder, signature, values, rows, three):
     """Pointers and what to add there, for one of both sets of rows of `add_three`."""
-    pointers, three = (
-        [*_named(context, builder, signature, values, rows)],
-        [builder.extract_value(three, i) for i in range(3)],
-    )
+    pointers = [*_named(context, builder, signature, values, rows)]
+    three = [builder.extract_value(three, i) for i in range(3)]
     if signature.args[0].instance_class is not Rows:
         return [(builder.gep(pointers[0], [_INT(i)]), one) for i, one in enumerate(three)]
     before = [

@@ -108,7 +108,8 @@ def advance(n, tables, model, controls, field, clock, begin, stops, sampling):
     from now, and the walls (bits) of which a sample is written there; sampling: Sampling.
     """
     damped = controls[:, BETA].any() or tables.radiates
-    walls, holds = (1 << len(controls)) - 1, tables.turning[:, :2].any()
+    walls = (1 << len(controls)) - 1
+    holds = tables.turning[:, :2].any()
     # of no literal type, for which numba would compile all of it once more
     step = k = stops[0, 0] * 0
     mark_used(n, tables, model.strain, walls)
@@ -260,7 +261,8 @@ def forces_of_intact(n, tables, loose, ending, damped, alike):
     n: Eight, an interface of eight walls, or Rows, eight interfaces of one wall; alike: of
     `damage.mechanics.rows.are_alike`.
     """
-    everyone, any_other = (1 << lanes(n)) - 1, 0
+    everyone = (1 << lanes(n)) - 1
+    any_other = 0
     for p in range(0, len(tables.others), rows_of(n)):
         springs = rows.springs_of(n, tables, p, alike)
         frame, motion = rows.moved(n, tables, p)
@@ -309,10 +311,13 @@ def forces_by_contacts(n, tables, model, asked, p, here):
     Those that share a RelativeMotion (all between rigid bricks, one between deformable ones) are
     springs while all stay in their elastic range, else the joint law applies.
     """
-    interface, strain, lives = tables.interfaces[p], model.strain, flags_of(n, here)
+    interface = tables.interfaces[p]
+    strain = model.strain
+    lives = flags_of(n, here)
     frame, motion = rows.moved(n, tables, p)
     resultant = Resultant(zero(n), zero(n), zero(n))
-    start, size = ROW(interface.start), strain_modes.points_at_once(strain, interface)
+    start = ROW(interface.start)
+    size = strain_modes.points_at_once(strain, interface)
     while start < interface.stop:
         points = Points(p, start, start + size, strain_modes.last_row(strain, p, start))
         at_points = strain_modes.motion_at(n, tables.bodies, strain, interface, start, motion)
@@ -368,10 +373,8 @@ def let_go(n, tables, model, p, gone):
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
-            before, motion = (
-                load(one, tables.energy, 0, FRICTION),
-                of_wall(rows.moved(n, tables, p)[1], w),
-            )
+            before = load(one, tables.energy, 0, FRICTION)
+            motion = of_wall(rows.moved(n, tables, p)[1], w)
             for i in range(interface.start, interface.stop):
                 at_point = strain_modes.motion_at(
                     one, tables.bodies, model.strain, interface, i, motion
@@ -387,7 +390,9 @@ def let_go(n, tables, model, p, gone):
 def forces_of_points(n, tables, model, asked, points, motion, here):
     """Resultant of Points of an interface that have a RelativeMotion [N, N m], in the walls `here`
     (bits)."""
-    p, damped, lives = points.p, asked.damped, flags_of(n, here)
+    p = points.p
+    damped = asked.damped
+    lives = flags_of(n, here)
     simple = is_known_intact(tables, model.strain, points.start)
     if simple:
         resultant, elastic = contacts.intact_resultant(n, tables, points.start, motion, lives)
@@ -428,12 +433,15 @@ def by_law(n, tables, model, asked, points, motion, beyond, elastic):
     resultant, changed = elastic
     for w in range(lanes(n)):
         if beyond >> w & 1:
-            one, now, step = wall_of(n, w), of_wall(motion, w), asked.clock[w] + asked.step
+            one = wall_of(n, w)
+            now = of_wall(motion, w)
+            step = asked.clock[w] + asked.step
             before = motion_before(one, tables, model.strain, points, now, asked.damped)
             of_points, change, failed = contacts.law_resultant(
                 one, tables, model.threshold, points, step, now, before, asked.damped
             )
-            resultant, changed = with_wall(resultant, w, of_points), with_wall(changed, w, change)
+            resultant = with_wall(resultant, w, of_points)
+            changed = with_wall(changed, w, change)
             if failed:
                 fail(n, tables, points.p, w, FAILED)
                 tables.used[points.start] = 1
@@ -475,7 +483,9 @@ def motion_before(n, tables, strain, points, motion, damped):
 @compiled
 def pose_before(n, tables, b):
     """Pose of body b of one wall in the last step."""
-    places, inertia, dt = tables.bodies, tables.inertia, rows.bench_of(n, tables.bench, 0).step
+    places = tables.bodies
+    inertia = tables.inertia
+    dt = rows.bench_of(n, tables.bench, 0).step
     angle = rows.place_of(n, places, b, ROTATION) - dt * rows.velocity_of(n, inertia, b, ROTATION)
     cos1, sine = small_rotation(angle) if abs(angle) < SMALL else (cos(angle) - 1.0, sin(angle))
     return Pose(

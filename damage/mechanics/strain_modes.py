@@ -38,16 +38,16 @@ def motion_at(n, bodies, strain, interface, i, motion):
     of both bricks."""
     if strain is None:
         return motion
-    a, b, at_a, at_b, shapes = (
-        interface.a,
-        interface.b,
-        strain.rows[i, 0],
-        strain.rows[i, 1],
-        strain.shapes,
-    )
-    opening, shear = zero(n), zero(n)
+    a = interface.a
+    b = interface.b
+    at_a = strain.rows[i, 0]
+    at_b = strain.rows[i, 1]
+    shapes = strain.shapes
+    opening = zero(n)
+    shear = zero(n)
     for m in range(shapes.shape[2]):
-        qa, qb = rows.place_of(n, bodies, a, RIGID + m), rows.place_of(n, bodies, b, RIGID + m)
+        qa = rows.place_of(n, bodies, a, RIGID + m)
+        qb = rows.place_of(n, bodies, b, RIGID + m)
         opening = opening + (shapes[at_b, 0, m] * qb - shapes[at_a, 0, m] * qa)
         shear = shear + (shapes[at_b, 1, m] * qb - shapes[at_a, 1, m] * qa)
     return RelativeMotion(motion.opening + opening, motion.shear + shear, motion.rotation)
@@ -59,14 +59,13 @@ def push_modes(n, bodies, strain, interface, i, resultant, which):
     `which` (flags)."""
     if strain is None:
         return
-    a, b, at_a, at_b, shapes = (
-        interface.a,
-        interface.b,
-        strain.rows[i, 0],
-        strain.rows[i, 1],
-        strain.shapes,
-    )
-    normal, shear = either(which, resultant.normal, 0.0), either(which, resultant.shear, 0.0)
+    a = interface.a
+    b = interface.b
+    at_a = strain.rows[i, 0]
+    at_b = strain.rows[i, 1]
+    shapes = strain.shapes
+    normal = either(which, resultant.normal, 0.0)
+    shear = either(which, resultant.shear, 0.0)
     for m in range(shapes.shape[2]):
         k = rows.first_force(bodies) + RIGID + m
         add(n, bodies, a, k, normal * shapes[at_a, 0, m] + shear * shapes[at_a, 1, m])

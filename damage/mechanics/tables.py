@@ -28,12 +28,15 @@ COS1, SIN, PLACE = range(3)
 then their forces."""
 VELOCITY, MASS, INVERSE_MASS, MEAN, INERTIAL = range(5)
 """Fields of `inertia`, INERTIAL of them: of coordinate k at INERTIAL k from these."""
-OPENED, SLIPPED = 3, 4
+OPENED = 3
+SLIPPED = 4
 """Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the
 threshold of damage."""
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 """Entries of `energy` [J]."""
-REAL, INDEX, ROW = np.float64, np.uint32, np.uint64
+REAL = np.float64
+INDEX = np.uint32
+ROW = np.uint64
 PARTS = 8
 """Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so
 on."""
@@ -134,12 +137,14 @@ start, stop: row of the first contact point, and that after the last one.
 LIMITS = "largest_opening", "largest_slide", "failed"
 """Fields of the limits of an interface: of `damage.mechanics.interfaces.ElasticLimits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
-SPRINGS, LINES = Springs._fields, Line._fields + Springs._fields
+SPRINGS = Springs._fields
+LINES = Line._fields + Springs._fields
 """Fields of `springs`, and of `lines`: what an intact interface needs."""
 CONTACT = _row(f8="offset area")
 """Of a contact point, equal in all walls that step together: offset from the interface's middle,
 along +x in bed and -z in head joints [m]; area [m2]."""
-STRENGTHS, READINGS = Strengths._fields, Reading._fields
+STRENGTHS = Strengths._fields
+READINGS = Reading._fields
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""
 RADIATION = "across", "along", "last_normal", "last_shear", "last_couple"
@@ -221,7 +226,8 @@ class Tables(
     """
 
 
-SHARED, LOGS = ("interfaces", "contacts"), ("events", "values", "n_events")
+SHARED = ("interfaces", "contacts")
+LOGS = ("events", "values", "n_events")
 WORK = "radiates", "bench", "sums", "others", "used", "lines", "alike", "first", "second", "every"
 
 
@@ -234,9 +240,12 @@ def make_tables(
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
 
-    c, p, blocks = len(contacts), up(len(interfaces)), -(-len(interfaces) // 8)
+    c = len(contacts)
+    p = up(len(interfaces))
+    blocks = -(-len(interfaces) // 8)
     first, second = (np.full(p, n_bodies - 1, INDEX) for _ in range(2))
-    first[: len(interfaces)], second[: len(interfaces)] = interfaces["a"], interfaces["b"]
+    first[: len(interfaces)] = interfaces["a"]
+    second[: len(interfaces)] = interfaces["b"]
 
     def zeros(rows, fields):
         return aligned_zeros(rows, fields, width)
@@ -332,7 +341,8 @@ def join(members):
 
 def system_of(tables, w):
     """System of wall w of Tables."""
-    n, inertia = len(tables.turning), tables.inertia[..., w]
+    n = len(tables.turning)
+    inertia = tables.inertia[..., w]
     coordinates = inertia.shape[1] // INERTIAL
     damped = len(tables.interfaces if coordinates == RIGID else tables.contacts)
     trig, place, force = np.split(tables.bodies[:n, :, w], [PLACE, PLACE + coordinates], axis=1)

@@ -385,7 +385,8 @@ def _given_step(path, time_s, given_s):
         raise InputError(
             f"--sample-step {given_s:g}: expected the time between two samples [s]; correct it"
         )
-    elapsed, numbers = time_s - time_s[0], np.arange(time_s.size)
+    elapsed = time_s - time_s[0]
+    numbers = np.arange(time_s.size)
     room = 10.0 ** -_decimals(time_s)
     for step in (given_s, 1e3 * given_s, 1.0):
         if np.abs(elapsed - step * numbers).max() <= max(

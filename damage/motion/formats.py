@@ -157,7 +157,8 @@ def record_path(word):
     """Path of a record, given by its path or by the name of a record that ships, like BGAR_HGE; a
     file of that name comes first.  What is neither is taken for a path, but for a name without
     ending: InputError."""
-    path, named = check_path(word), shipped_records()
+    path = check_path(word)
+    named = shipped_records()
     if str(path) in named and not is_there(path):
         return named[str(path)]
     if not path.suffix and len(path.parts) == 1 and not path.exists():

@@ -31,14 +31,16 @@ APPLIED = (
 )
 """Keys of `applied_measures`."""
 
-MOST_END_VELOCITY, WARNED_END_VELOCITY = 0.2, 0.5
+MOST_END_VELOCITY = 0.2
+WARNED_END_VELOCITY = 0.5
 """Velocities at a motion's end, as shares of PGV, above which `describe` notes it and a run warns
 of it.
 
 Windows of studies/stations.csv leave up to 0.27; BLOP_HGE, whose baseline steps, leaves 1.
 """
 
-SLOW_HZ, WARNED_PGV = 0.1, 0.5
+SLOW_HZ = 0.1
+WARNED_PGV = 0.5
 """Frequency below which a motion is a baseline's or a permanent displacement [Hz], and the share of
 PGV without it below which a run warns: of the components that ship one has less than 0.87."""
 
@@ -66,7 +68,8 @@ def pgv_m_s(record):
     velocity's peak is at a sample or where the acceleration passes zero between two.  Nothing is
     filtered: a baseline that is off counts.
     """
-    a, step_s = record.acceleration_m_s2, record.time_step_s
+    a = record.acceleration_m_s2
+    step_s = record.time_step_s
     at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
     turns = np.flatnonzero(a[:-1] * a[1:] < 0)
     until_zero_s = step_s * a[turns] / (a[turns] - a[turns + 1])
@@ -109,7 +112,8 @@ def pgv_rotd100_m_s(record, across):
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
 
     def velocity(one):
-        a, step_s = one.acceleration_m_s2, one.time_step_s
+        a = one.acceleration_m_s2
+        step_s = one.time_step_s
         at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
         return at_samples[:-1] + step_s * part * (a[:-1] + 0.5 * part * np.diff(a))
 
@@ -285,7 +289,9 @@ def end_velocity_m_s(record):
 def drift_warnings(loading):
     """Warning of a `damage.motion.loading.Recorded` one of whose components has less than
     WARNED_PGV of its PGV without a line, or without what is slower than SLOW_HZ."""
-    record, plain, without = loading.record, replace(loading, interpolated_for_s=None), {}
+    record = loading.record
+    plain = replace(loading, interpolated_for_s=None)
+    without = {}
     if loading.band_hz is not None:
         return []
     if not loading.baseline_order:
@@ -315,7 +321,8 @@ def _pgv(loading):
 
 def end_warnings(record):
     """Warning of a motion after which the base moves on at more than WARNED_END_VELOCITY of PGV."""
-    moving, peak = abs(end_velocity_m_s(record)), pgv_m_s(record)
+    moving = abs(end_velocity_m_s(record))
+    peak = pgv_m_s(record)
     if moving <= WARNED_END_VELOCITY * peak:
         return []
     return [
@@ -452,7 +459,8 @@ def motion_measures(history):
 
     Units: `damage.measure.columns.PARAMETERS`.
     """
-    found, factor = history.parameters, history.strongest_factor
+    found = history.parameters
+    factor = history.strongest_factor
     return {
         name: found.get(name) and found[name] * factor ** _POWERS.get(name, 1) for name in APPLIED
     }

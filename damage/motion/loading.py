@@ -69,7 +69,9 @@ def mean_velocities(displacement, interval_s, n, place):
     )
 
 
-PERIODS_S, HIGHEST_G, MOST_CYCLES = (1e-3, 1000.0), 100.0, 10**6
+PERIODS_S = (1e-3, 1000.0)
+HIGHEST_G = 100.0
+MOST_CYCLES = 10**6
 """Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
 SINE_SAMPLES = 400
 """In a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 = 3e-5 of
@@ -475,7 +477,8 @@ EASE_S = 0.1
 """Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first
 period,
 so that it does not make the wall vibrate."""
-DRIFTS_PCT, SPEEDS_M_S = (1e-6, 100.0), (1e-6, 1.0)
+DRIFTS_PCT = (1e-6, 100.0)
+SPEEDS_M_S = (1e-6, 1.0)
 """Least and largest drift that a top is pushed to [%], and speed [m/s]: less is rounding, more is
 not quasi-static."""
 

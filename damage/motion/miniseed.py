@@ -185,7 +185,8 @@ def without_entities(xml):
 def _quietly(path, wanted, read):
     """The result of `read()`, which uses obspy; its errors, printed errors and warnings become an
     InputError."""
-    problems, hook = [], sys.unraisablehook
+    problems = []
+    hook = sys.unraisablehook
     # in what its C code calls
     sys.unraisablehook = lambda problem: problems.append(problem.exc_value)
     try:

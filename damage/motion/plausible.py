@@ -101,7 +101,8 @@ def _implausible(name, value, of, cause):
     return message and f"{message}: {cause}"
 
 
-MOST_OFFSET, OFFSET_S = 0.1, 1.0
+MOST_OFFSET = 0.1
+OFFSET_S = 1.0
 """Mean of a record's first part [s], as a share of its peak, above which zero is off; real ones
 have up to 0.015."""
 
@@ -113,10 +114,8 @@ def offset_warnings(record):
     record: before any window, which may begin within the motion.
     """
     a = record.acceleration_m_s2
-    mean, peak = (
-        float(np.mean(a[: max(1, round(OFFSET_S / record.time_step_s))])),
-        float(np.abs(a).max()),
-    )
+    mean = float(np.mean(a[: max(1, round(OFFSET_S / record.time_step_s))]))
+    peak = float(np.abs(a).max())
     if abs(mean) <= MOST_OFFSET * peak:
         return []
     return [
@@ -126,7 +125,8 @@ def offset_warnings(record):
     ]
 
 
-_NEIGHBOURS, SPIKE = 4, 5.0
+_NEIGHBOURS = 4
+SPIKE = 5.0
 """Samples on either side, and how many times their largest deviation but one a spike's is; that of
 the real records tried, with half of the peak or more, is up to 2.6 times."""
 
@@ -134,7 +134,8 @@ the real records tried, with half of the peak or more, is up to 2.6 times."""
 def spike_warnings(record):
     """Warning of a Record with a sample far from its neighbours and from the rest, which no ground
     motion has: a list of lines.  One further such sample may be beside it."""
-    a, size = record.acceleration_m_s2, np.abs(record.acceleration_m_s2)
+    a = record.acceleration_m_s2
+    size = np.abs(record.acceleration_m_s2)
     padded = np.pad(a, _NEIGHBOURS, mode="reflect")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1)
     candidates = np.flatnonzero(size > 0.5 * size.max())

@@ -13,7 +13,9 @@ from damage.fields import check_fields
 from damage.motion import samples
 
 TIME_STEPS_S = 1e-5, 1.0
-MOST_SAMPLES, HIGHEST_M_S2, MOST_SCALE = 10**6, 1e5, 1e3
+MOST_SAMPLES = 10**6
+HIGHEST_M_S2 = 1e5
+MOST_SCALE = 1e3
 """Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on
 it."""
 MOST_MB = 50
@@ -23,7 +25,9 @@ LOWEST_HZ = 1e-3
 LEAST_A_PERIOD = 10
 """Samples of a record in the wall's first period below which a run interpolates them: lines between
 them take off 1 - sinc^2(1 / 10) = 3 % there (C. Phillips et al., 2012, Soil Dyn. Earthq. Eng.)."""
-FINER, REACH, KAISER_BETA = 10, 64, 8.0
+FINER = 10
+REACH = 64
+KAISER_BETA = 8.0
 """Of band-limited interpolation: samples for each one of the record, samples of the record on
 either side that count, and shape of the Kaiser window: 1e-4 off up to 0.96 of half the sampling
 rate.  Lines between the new samples take off up to 0.8 % there."""
@@ -169,14 +173,17 @@ def on_axis_of(record, reference, window_s=None):
     """Return a record on the time axis of another one, by their start times (`start_difference_s`),
     zero where it has no samples; within the window, by default all of the other one, it has to have
     them."""
-    step_s, late_s = reference.time_step_s, start_difference_s(record, reference)
+    step_s = reference.time_step_s
+    late_s = start_difference_s(record, reference)
     if abs(record.time_step_s / step_s - 1) > 1e-9:
         raise InputError(
             f"{record.name} has a time step of {record.time_step_s:g} s, {reference.name} of"
             f" {step_s:g} s; expected the same, resample one"
         )
-    first, size = round(late_s / step_s), reference.acceleration_m_s2.size
-    begin, end = max(first, 0), min(first + record.acceleration_m_s2.size, size)
+    first = round(late_s / step_s)
+    size = reference.acceleration_m_s2.size
+    begin = max(first, 0)
+    end = min(first + record.acceleration_m_s2.size, size)
     lowest, highest = (0.0, reference.duration_s) if window_s is None else window_s
     if (
         begin * step_s > lowest + 0.5 * step_s

@@ -23,7 +23,8 @@ it."""
 def linear(x, at, values):
     """Values at x of the lines through points (at, values), `at` rising; beyond the outer points it
     is theirs."""
-    ends, values = np.append(at, np.inf), np.append(values, values[-1])
+    ends = np.append(at, np.inf)
+    values = np.append(values, values[-1])
     left = np.maximum(np.searchsorted(at, x, side="right") - 1, 0)
     share = np.maximum((x - ends[left]) / (ends[left + 1] - ends[left]), 0.0)
     return values[left] + share * (values[left + 1] - values[left])
@@ -43,7 +44,8 @@ def continued(samples, n):
     """Samples with n more at either end: the reflection in the outer sample, as a point."""
     while n > 0:
         part = min(n, samples.size - 1)
-        before, after = samples[part:0:-1], samples[-2 : -2 - part : -1]
+        before = samples[part:0:-1]
+        after = samples[-2 : -2 - part : -1]
         samples = np.concatenate([2 * samples[0] - before, samples, 2 * samples[-1] - after])
         n -= part
     return samples
@@ -86,7 +88,9 @@ def without_polynomial(samples, order):
     """Samples (n,) less their least-squares polynomial of an order below n, by orthogonal
     polynomials."""
     place = np.arange(1 - samples.size, samples.size, 2) / (samples.size - 1)
-    before, now, size_before = np.zeros_like(place), np.ones_like(place), 1.0
+    before = np.zeros_like(place)
+    now = np.ones_like(place)
+    size_before = 1.0
     for _ in range(order + 1):
         size = math.fsum((now * now).tolist())
         samples = samples - math.fsum((samples * now).tolist()) / size * now
@@ -112,7 +116,8 @@ def _butterworth(low, high, n):
     a2 y'', of which a prime is a sample earlier.  The bilinear transform of width s / (s^2 + b s +
     c) each."""
     low, high = (float(tan(math.pi * corner)) for corner in (low, high))
-    width, middle = high - low, low * high
+    width = high - low
+    middle = low * high
     pairs = [(width, middle)] if n % 2 else []
     for m in range(n - 1, 0, -2):
         # a pole u of the low-pass becomes two, u + root and u - root, root^2 = u^2 - middle; their
@@ -120,13 +125,16 @@ def _butterworth(low, high, n):
         across, up = (
             0.5 * width * float(sin_of_turns(turns)) for turns in (m / (4 * n) - 0.25, m / (4 * n))
         )
-        real, imaginary = across * across - up * up - middle, 2 * across * up
+        real = across * across - up * up - middle
+        imaginary = 2 * across * up
         large = math.sqrt(0.5 * (math.sqrt(real * real + imaginary * imaginary) + abs(real)))
         small = 0.5 * abs(imaginary) / large
         along, upright = (large, small) if real >= 0 else (small, large)
         # the farther of both from zero, of which no digits cancel
-        across, up = across - along, up + upright
-        b, c = -2 * across, across * across + up * up
+        across = across - along
+        up = up + upright
+        b = -2 * across
+        c = across * across + up * up
         pairs += [(b, c), (middle * b / c, middle * middle / c)]
     return [
         (width / (1 + b + c), 2 * (c - 1) / (1 + b + c), (1 - b + c) / (1 + b + c))
@@ -143,7 +151,9 @@ def _filtered(values, sections):
         passed = []
         for value in values:
             found = gain * value + one
-            one, two = two - a1 * found, -gain * value - a2 * found
+            one = two - a1 * found
+            two = -gain * value - a2 * found
             passed.append(found)
-        values, before = passed, 0.0
+        values = passed
+        before = 0.0
     return values

@@ -22,7 +22,8 @@ COLUMNS = {
     "rest_s": Column("s", "free vibration after the event"),
     "sample_step_s": Column("s", "of a text without times"),
 }
-MOST_EVENTS, MOST_MOTIONS = 500, 64
+MOST_EVENTS = 500
+MOST_MOTIONS = 64
 """Of a sequence, and of different records and windows in it: what an attribute of a history can
 hold."""
 
@@ -61,7 +62,8 @@ def read_sequence(path, rest_s, **preparation):
         table.rows["start_s"].isna() != table.rows["end_s"].isna(),
         "a window with one end; expected start_s and end_s, or neither",
     )
-    events, loadings = [], {}
+    events = []
+    loadings = {}
     for row, record, component, unit, scale, start, end, rest, step in table.rows[
         [*COLUMNS]
     ].itertuples():
@@ -128,7 +130,8 @@ def _record(folder, record, component):
     if not record:
         raise InputError("no record; expected its path, or the name of one that ships")
     name = f"{record}_{component}" if component else record
-    beside, ships = folder / record, name in shipped_records()
+    beside = folder / record
+    ships = name in shipped_records()
     if not ships and is_there(beside):
         return beside
     if not ships and not shipped_path(record) and is_there(record):

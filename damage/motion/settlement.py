@@ -18,7 +18,8 @@ from damage.rounded import DISPLACEMENT, to_bits, to_grid
 PROFILES = ("hogging", "sagging", "tilt", "knick")
 DISTORTIONS = (1e-7, 0.02)
 """Least and largest distortion [-]: more than 1/50 is a wall that is pulled down."""
-MOST_M, MOST_POINTS = 1.0, 1000
+MOST_M = 1.0
+MOST_POINTS = 1000
 """Of a profile from a file: largest displacement [m] and number of points."""
 COLUMNS = {
     "x_m": Column("m", "along the wall"),
@@ -26,7 +27,8 @@ COLUMNS = {
     "height_m": Column("m", "of a level"),
     "date": Column("", "of a level", "U"),
 }
-SHORTEST_S, FASTEST_M_S = 1.0, 5e-3
+SHORTEST_S = 1.0
+FASTEST_M_S = 5e-3
 """Least duration [s] and largest velocity of the ground [m/s]: slow enough to be quasi-static."""
 _EDGE_M = 1e-6
 END_M = 0.5
@@ -99,7 +101,8 @@ class Settlement:
 
     def vertical(self, x, length):
         """Final vertical displacement (n,) [m] at x (n,) [m] of a wall of this length [m]."""
-        x, half = np.asarray(x, float), length / 2
+        x = np.asarray(x, float)
+        half = length / 2
         if self.x_m:
             return linear(x, self.x_m, self.uz_m) - self.common_m
         if self.profile == "tilt":
@@ -118,12 +121,15 @@ class Settlement:
         Where each one goes is rounded once (`damage.rounded`), so that the last bits of the wall's
         lengths do not reach a run: displacements, and angles as those over a metre, to
         DISPLACEMENT."""
-        left, right, length = supports.left, supports.right, supports.right.max()
+        left = supports.left
+        right = supports.right
+        length = supports.right.max()
         time_s = np.clip(np.asarray(time_s, float) / self.moving_s(length), 0.0, 1.0)
         root = sin_of_turns(time_s / 4)[:, np.newaxis]
         share = root * root  # (1 - cos(pi time_s)) / 2
         if self.profile == "tilt" and not self.x_m:
-            angle, x = -to_bits(self.distortion) * share, to_grid(supports.x, DISPLACEMENT)
+            angle = -to_bits(self.distortion) * share
+            x = to_grid(supports.x, DISPLACEMENT)
             half = sin(angle / 2)
             return np.stack([x * -2 * (half * half), x * sin(angle), angle + 0 * x], axis=-1)
         ends = self.vertical(left, length), self.vertical(right, length)

@@ -23,7 +23,8 @@ from damage.provenance import UNKNOWN, commit
 from damage.reference.session import run_references
 
 FOLDER = Path(__file__).parents[1] / "data" / "bits"
-TABLE, COLUMNS = FOLDER / "bits.csv", ["run", "quantity", "digest"]
+TABLE = FOLDER / "bits.csv"
+COLUMNS = ["run", "quantity", "digest"]
 DIGITS = 12
 MEMBERS = 8
 """Walls that step side by side in a case of members."""
@@ -39,10 +40,15 @@ class Case(NamedTuple):
     members: bool = False
 
 
-SYMMETRIC, SMALL, HOUSE = "walls/symmetric.py", "walls/variants/small.py", "walls/terrace_end.toml"
-SOFT, CLAY = "walls/variants/symmetric_softening.py", "walls/variants/comp2_4_split_and_crush.py"
-STRIP, CRUSHING = "damage/data/bits/strip.toml", "damage/data/bits/crushing.toml"
-RECORD, SHAKEN = "--record BGAR_HGE", "--harmonic 0.06 0.6 --rest 0.2"
+SYMMETRIC = "walls/symmetric.py"
+SMALL = "walls/variants/small.py"
+HOUSE = "walls/terrace_end.toml"
+SOFT = "walls/variants/symmetric_softening.py"
+CLAY = "walls/variants/comp2_4_split_and_crush.py"
+STRIP = "damage/data/bits/strip.toml"
+CRUSHING = "damage/data/bits/crushing.toml"
+RECORD = "--record BGAR_HGE"
+SHAKEN = "--harmonic 0.06 0.6 --rest 0.2"
 CASES = {
     "harmonic": Case(SYMMETRIC, "--harmonic 0.2 0.05 --rest 0.2"),
     "record": Case(SYMMETRIC, f"{RECORD} --window 18.7 20.7 --scale 2.5 --rest 0.1"),
@@ -123,7 +129,8 @@ def _placed(words):
 def values_of(history):
     """{quantity: arrays} of a History whose digests are published: drift ratio and base motion over
     time, energies, failures, openings, slips and states of all joints at the end."""
-    series, events = history.series, history.events
+    series = history.series
+    events = history.events
     base = [name for name in series if name.startswith("base_acc")]
     energies = [name for name in series if name.endswith("_energy_j")]
     return {
@@ -173,7 +180,8 @@ def differing(found, known):
 def verdict(found, known):
     """One line: how many runs have the published bits on this machine, and what may be the cause
     where some have not; found: of `digests`, known: of `published`."""
-    runs, different = {name for name, _ in found}, differing(found, known)
+    runs = {name for name, _ in found}
+    different = differing(found, known)
     line = (
         f"published histories: {len(runs) - len(different)} of {len(runs)} have the same bits on"
         " this machine"

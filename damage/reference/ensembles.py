@@ -31,7 +31,8 @@ def move(asked, processes=1):
     asked: (ReferenceSolver, *numbers of steps) of each; processes: that do so at once.
     """
     room = OF_CACHE * cache_bytes(processes)
-    alike, failures = {}, {}
+    alike = {}
+    failures = {}
     for wall, *steps in asked:
         alike.setdefault(wall.lanes.kind, {})[wall] = steps
     for walls in alike.values():
@@ -82,7 +83,8 @@ def _chosen(walls):
         return _one_by_one(walls)
     # Those that react to each sample, as on ground that settles, would make all others take few
     # steps at once, too: they go first, and together where they have equally many left.
-    reacting, others = {}, {}
+    reacting = {}
+    others = {}
     for wall, steps in walls.items():
         alike = reacting.setdefault(steps[0] - wall.taken, {}) if len(steps) == 1 else others
         alike[wall] = steps

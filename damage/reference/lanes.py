@@ -68,8 +68,10 @@ class Lanes:
             [(wall.lanes.tables, wall.lanes.lane_of(wall)) for wall in walls]
         )
         for w, wall in enumerate(walls):
-            wall.system, wall.lanes = tables.system_of(self.tables, w), self
-        masses, width = [wall.mass for wall in walls], self.tables.bench.shape[2]
+            wall.system = tables.system_of(self.tables, w)
+            wall.lanes = self
+        masses = [wall.mass for wall in walls]
+        width = self.tables.bench.shape[2]
         matrix = masses[0] and matrix_of(masses, width)
         strength = np.concatenate([wall.cuts.strength for wall in walls])
         cuts = walls[0].cuts._replace(strength=strength)
@@ -110,7 +112,8 @@ class Lanes:
                 wall.earlier.clear()
             if wall.adaptive_damping == 0.0:
                 wall.system.relaxation[:] = 0.0
-        longest, room = max(map(len, steps)), self._sampling.samples
+        longest = max(map(len, steps))
+        room = self._sampling.samples
         if longest > room.totals.shape[1] or (
             any(wall.with_stresses for wall in walls) and not room.stress.shape[3]
         ):
@@ -120,7 +123,8 @@ class Lanes:
         if last == 0:
             return
         self._sampling.taken[:] = 0
-        field, (clock, controls) = np.array([wall.field(last + 1) for wall in walls]), self._now()
+        field = np.array([wall.field(last + 1) for wall in walls])
+        (clock, controls) = self._now()
         kernel.advance(
             self._n,
             self.tables,
@@ -150,10 +154,8 @@ class Lanes:
     def room(self, n_samples):
         """Sampling of all walls, all zero."""
         walls = list(filter(None, self.walls))
-        n_supports, with_stresses = (
-            len(walls[0].layout.supports),
-            any(wall.with_stresses for wall in walls),
-        )
+        n_supports = len(walls[0].layout.supports)
+        with_stresses = any(wall.with_stresses for wall in walls)
         samples = Samples.none(
             len(self._walls), n_samples, walls[0].system, n_supports, with_stresses
         )
@@ -176,7 +178,8 @@ class Lanes:
     def sample_now(self, wall, field):
         """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of
         the base and gravity."""
-        sampling, w = self.room(1), self.lane_of(wall)
+        sampling = self.room(1)
+        w = self.lane_of(wall)
         field = np.tile(field, (len(self._walls), 1, 1))
         kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
         return sampling.samples.of(w, 1)

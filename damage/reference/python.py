@@ -56,10 +56,8 @@ def _run(wall, motion, options):
         if settings.out is None:
             # A history that outgrows the memory continues in this file, which is read before its
             # folder is deleted.
-            path, write = (
-                Path(folder) / free_name(built, settings, BACKEND.name).name,
-                HistoryInMemory,
-            )
+            path = Path(folder) / free_name(built, settings, BACKEND.name).name
+            write = HistoryInMemory
             settings = replace(settings, out=path)
         prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
         with attended(built.name, quiet=settings.quiet) as keep_going:
@@ -77,7 +75,8 @@ def _run(wall, motion, options):
 def _asked(wall, motion, options):
     """(RunSettings, path of the wall's file or "", Wall) from the arguments of `run`; raises
     InputError."""
-    is_record, is_loading = isinstance(motion, (str, Path)), isinstance(motion, (Loading, Record))
+    is_record = isinstance(motion, (str, Path))
+    is_loading = isinstance(motion, (Loading, Record))
     if not (motion is None or is_record or is_loading):
         raise InputError(
             f"motion = {motion!r}: expected a record's path or name, a Loading, or None with"

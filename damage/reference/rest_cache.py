@@ -49,7 +49,9 @@ class Rest:
     """Access of one run to the cache of walls at rest."""
 
     def __init__(self, walls, digest):
-        self._walls, self._digest, self._found = walls, digest, walls.take(digest)
+        self._walls = walls
+        self._digest = digest
+        self._found = walls.take(digest)
 
     def recall(self, solver):
         """Set a solver that has not moved to the end of its static stage; returns the looks at that
@@ -69,7 +71,8 @@ class Rest:
 
 def digest_of(prepared):
     """Digest of all inputs of the static stage of a Prepared run."""
-    settings, content = prepared.settings, io.BytesIO()
+    settings = prepared.settings
+    content = io.BytesIO()
     layout = replace(prepared.layout, plan=None)  # which follows from the wall and the options
     begins = (
         layout,

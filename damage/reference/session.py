@@ -87,8 +87,10 @@ def run_references(
 
     Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
-    histories, settled = {} if histories is None else histories, settled or RestCache()
-    names, interrupted = [], []
+    histories = {} if histories is None else histories
+    settled = settled or RestCache()
+    names = []
+    interrupted = []
 
     def watched(keep_going, name):
         def go_on(run, time_s):

@@ -44,8 +44,11 @@ class ReferenceSolver(ReferenceWall, Solver):
         self.energy[:] = 0.0
 
     def damp(self, *, local=0.0, adaptive=0.0, alpha=0.0, beta=0.0, mean_1_s=0.0):
-        self.local_damping, self.adaptive_damping = local, adaptive
-        self.alpha, self.beta, self.mean_1_s = alpha, beta, mean_1_s
+        self.local_damping = local
+        self.adaptive_damping = adaptive
+        self.alpha = alpha
+        self.beta = beta
+        self.mean_1_s = mean_1_s
 
     def set_velocities(self, velocities):
         self.velocity = velocities
@@ -92,7 +95,8 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def _instants_at(self, samples):
         """Instants of samples of the last `run`, {index of the end: step}."""
-        steps, rows = np.array([*samples.values()]), list(samples)
+        steps = np.array([*samples.values()])
+        rows = list(samples)
         return self._instants(steps, self.lanes.samples_of(self, rows[-1] + 1), rows)
 
     def instants(self):
@@ -101,11 +105,9 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _instants(self, clock, samples, rows):
         """Instants of these rows of Samples, copied, taken at these steps; a pushed wall has one
         only, to which the present push force belongs."""
-        totals, moved, joints = (
-            samples.totals[rows],
-            samples.displacement[rows],
-            self.active_contacts(),
-        )
+        totals = samples.totals[rows]
+        moved = samples.displacement[rows]
+        joints = self.active_contacts()
         n = len(self.layout.bodies)
         strain = moved[:, :n, RIGID:] if self.layout.strain else None
         contacts = {
@@ -132,7 +134,8 @@ class ReferenceSolver(ReferenceWall, Solver):
     def _in_bearing(self):
         """Elastic energy of the bearing of a restrained top [J]; such a wall has one sample at a
         time."""
-        stiffness, force = self.system.bearings["stiffness"], self.system.bearings["force"]
+        stiffness = self.system.bearings["stiffness"]
+        force = self.system.bearings["force"]
         held = stiffness > 0
         return 0.5 * float(np.sum(force[held] ** 2 / stiffness[held])) if held.any() else 0.0
 
@@ -174,7 +177,8 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def _whole(self):
         """Views of all tables of this wall that outlast a step, {name: array}."""
-        tables, lane = self.lanes.tables, self.lanes.lane_of(self)
+        tables = self.lanes.tables
+        lane = self.lanes.lane_of(self)
         found = {
             name: of[lane] if name in LOGS else of[..., lane]
             for name, of in zip(Tables._fields, tables)
@@ -197,10 +201,8 @@ class ReferenceSolver(ReferenceWall, Solver):
     def restore(self, tables):
         for name, table in self._whole().items():
             table[: len(tables[name])] = tables[name]
-        self.step, self._is_driven = (
-            self.first_step + int(tables["clock"]),
-            bool(tables["is_driven"]),
-        )
+        self.step = self.first_step + int(tables["clock"])
+        self._is_driven = bool(tables["is_driven"])
 
     def drain_events(self):
         if self.system.n_events[0] == 0:

@@ -44,21 +44,31 @@ class ReferenceWall:
     with_stresses = False
 
     def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=None):
-        self.layout, self.time_step, self.step = layout, time_step, 0
-        self.beta, self.alpha, self.local_damping, self.adaptive_damping = beta, alpha, 0.0, 0.0
+        self.layout = layout
+        self.time_step = time_step
+        self.step = 0
+        self.beta = beta
+        self.alpha = alpha
+        self.local_damping = 0.0
+        self.adaptive_damping = 0.0
         self.mean_1_s = 0.0
-        self.base, self.gravity = np.zeros((0, 2)), np.array([GRAVITY])
+        self.base = np.zeros((0, 2))
+        self.gravity = np.array([GRAVITY])
         self.first_step = 0  # step at which `base` and `gravity` begin
         # in a batch: of the steps asked for, those taken, and the samples before its last call
-        self.taken, self.earlier = 0, []
+        self.taken = 0
+        self.earlier = []
         built = build(layout)
-        self.strain, self.loose = strain_tables(layout), None
+        self.strain = strain_tables(layout)
+        self.loose = None
         self.cuts = cut_tables(layout, built.interfaces)
         self.mass = None if scaled is None else scaled_mass(layout, time_step, beta, of=scaled)
         if new_contacts:
             self.loose = build_loose(layout, tables.system_of(built, 0), time_step)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
-        self._held, self._is_driven, self._spreads = None, False, False
+        self._held = None
+        self._is_driven = False
+        self._spreads = False
         self._active = (0, np.empty(0, int))
         self.refresh()
 
@@ -86,10 +96,8 @@ class ReferenceWall:
         bodies = slice(len(self.layout.bodies))
         self.system.place[bodies, :RIGID] = values
         angle = self.system.place[bodies, ROTATION]
-        self.system.trig[bodies, 0], self.system.trig[bodies, 1] = (
-            -2 * sin(angle / 2) ** 2,
-            sin(angle),
-        )
+        self.system.trig[bodies, 0] = -2 * sin(angle / 2) ** 2
+        self.system.trig[bodies, 1] = sin(angle)
 
     @property
     def velocity(self):
@@ -158,15 +166,19 @@ class ReferenceWall:
 
         After their ends the base is at rest and gravity keeps its last value.
         """
-        first, rows = self.clock, np.zeros((n_steps, 3))
-        base, gravity = self.base[first : first + n_steps], self.gravity[first : first + n_steps]
+        first = self.clock
+        rows = np.zeros((n_steps, 3))
+        base = self.base[first : first + n_steps]
+        gravity = self.gravity[first : first + n_steps]
         rows[: len(base), :2] = base
-        rows[: len(gravity), 2], rows[len(gravity) :, 2] = gravity, self.gravity[-1]
+        rows[: len(gravity), 2] = gravity
+        rows[len(gravity) :, 2] = self.gravity[-1]
         return rows
 
     def active_contacts(self):
         """Indices of the active contact points, those of failed interfaces."""
-        interfaces, failed = self.system.interfaces, self.system.limits[:, tables.HAS_FAILED] > 0
+        interfaces = self.system.interfaces
+        failed = self.system.limits[:, tables.HAS_FAILED] > 0
         if (count := np.count_nonzero(failed)) != self._active[0]:  # failure is permanent
             self._active = (
                 count,
@@ -238,7 +250,8 @@ class ReferenceWall:
                 f"{count} events between two samples, {CAPACITY} fit; sample more often"
             )
         self.system.n_events[0] = 0
-        events, values = self.system.events[:count].copy(), self.system.values[:count].copy()
+        events = self.system.events[:count].copy()
+        values = self.system.values[:count].copy()
         return events[:, 0], events[:, 1], events[:, 2], values
 
     def hold(self, bodies, rotation, stiffness=0.0):
@@ -247,7 +260,8 @@ class ReferenceWall:
         m/rad]."""
         self.system.turning[bodies, 0] = stiffness
         self.system.turning[bodies, 2] = self.system.place[bodies, ROTATION]
-        self._held, self._is_driven = bodies, True
+        self._held = bodies
+        self._is_driven = True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[
                 bodies, coordinate
@@ -267,7 +281,9 @@ class ReferenceWall:
         self.system.turning[bodies, 1] = shares
         place = float(total(shares * self.system.place[bodies, X]))
         self.system.beam[:] = (place, 0.0, 0.0)
-        self._held, self._is_driven, self._spreads = np.flatnonzero(shares), True, True
+        self._held = np.flatnonzero(shares)
+        self._is_driven = True
+        self._spreads = True
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies, or of a spreader beam [m/s]; the
@@ -275,7 +291,8 @@ class ReferenceWall:
         if self._spreads:
             self.system.beam["velocity"] = velocity
             return
-        old, mass = self.system.velocity[self._held, X], self.layout.bodies.mass[self._held]
+        old = self.system.velocity[self._held, X]
+        mass = self.layout.bodies.mass[self._held]
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity * velocity - old * old))
         self._prescribe((self._held, X), velocity)
 
@@ -338,7 +355,8 @@ class ReferenceWall:
                 f"forces are no longer finite at step {self.step}: the time step of "
                 f"{self.time_step:.3g} s is too large for this wall"
             )
-        loose, before_s = self.loose, self.clock * self.time_step
+        loose = self.loose
+        before_s = self.clock * self.time_step
         if loose is None:
             return None
         if loose.counts[INSIDE]:

@@ -16,13 +16,16 @@ from damage.wall.as_built import (
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.lintels import describe_share, elastic_share
 
-MEGA, TONNE = 1e6, 1e3
+MEGA = 1e6
+TONNE = 1e3
 
 
 def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step
     [s]."""
-    wall, plan, options = layout.wall, layout.plan, layout.options
+    wall = layout.wall
+    plan = layout.plan
+    options = layout.options
     lintels = describe_lintels(plan)
     own = "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
     replaced = [text for one in layout.walls for text in replaced_lintels(one, options.lintel)]
@@ -137,7 +140,8 @@ def stress_lines(settings, layout, time_step):
 def record_lines(settings):
     """Lines that say which unit the records of RunSettings were taken to be in, and which component
     was moved in time; none where there is no record."""
-    units, late_s = {}, {}
+    units = {}
+    late_s = {}
     for event in settings.recorded:
         late_s |= event.loading.late_s
         for record in event.loading.components:

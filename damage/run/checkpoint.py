@@ -38,8 +38,11 @@ class Checkpoints:
     """
 
     def __init__(self, writer, every_s=math.inf, keeps_end=False):
-        self._writer, self._every_s, self._last = writer, every_s, time.monotonic()
-        self.path, self.keeps_end = checkpoint_path(writer.path), keeps_end and every_s < math.inf
+        self._writer = writer
+        self._every_s = every_s
+        self._last = time.monotonic()
+        self.path = checkpoint_path(writer.path)
+        self.keeps_end = keeps_end and every_s < math.inf
 
     def due(self):
         """Whether the time for the next one has come."""
@@ -178,7 +181,8 @@ def _continued(path, layout, counts, attributes):
         except BaseException:
             beside.unlink(missing_ok=True)
             raise
-    file.path, file.where = path, str(path)
+    file.path = path
+    file.where = str(path)
     return HistoryWriter.of(layout, file)
 
 

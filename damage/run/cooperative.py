@@ -39,7 +39,9 @@ def as_they_end(runs, move=run_each, most=math.inf):
     Instead of a run None: there is none now, which ends all where none is under way.  move: as
     `run_each`, takes steps of those that are under way; or WAITED, where it leaves one for later.
     """
-    waiting, asked = enumerate(runs), {}  # {(number, run): what it asks for}
+    # {(number, run): what it asks for}
+    waiting = enumerate(runs)
+    asked = {}
     while True:
         while len(asked) < most and (begun := next(waiting, (None, None)))[1] is not None:
             asked[begun] = None

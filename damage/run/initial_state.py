@@ -86,7 +86,8 @@ def read_earlier(path, layout, origin, option="--continue", ended=True):
             f"--continue {path}: its run is {how}; expected a complete run of a wall that stands;"
             " run it again" + ("" if history.complete else f", or continue it: --resume {path}")
         )
-    (solver, model), made_by = origin, history.versions.get("model")
+    (solver, model) = origin
+    made_by = history.versions.get("model")
     if history.solver != solver:
         raise InputError(
             f"{option} {path}: a run of the {history.solver} solver; expected one of the {solver} "

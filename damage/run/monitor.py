@@ -11,7 +11,9 @@ from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
 from damage.wall.kinds import ARCH_COURSE, LINTEL_COURSE
 
-ENERGY, DROP, FAILURE = "energy", "drop", "failure"
+ENERGY = "energy"
+DROP = "drop"
+FAILURE = "failure"
 
 
 class NotAccepted(RunError):
@@ -26,7 +28,8 @@ class NotAccepted(RunError):
 def index_now(layout, drift_ratio, joints, opening, offset):
     """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints,
     zero elsewhere."""
-    exceeded, length = np.zeros((2, layout.n_joints), bool), layout.joint_length
+    exceeded = np.zeros((2, layout.n_joints), bool)
+    length = layout.joint_length
     exceeded[:, joints] = opening > THRESHOLD, np.abs(offset) > THRESHOLD
     return float(
         combine(
@@ -54,11 +57,14 @@ class Borne:
     sides."""
 
     def __init__(self, layout):
-        bodies, contacts = layout.bodies, layout.contacts
+        bodies = layout.bodies
+        contacts = layout.contacts
         borne = np.flatnonzero(
             (bodies.course >= 0) | np.isin(bodies.course, (ARCH_COURSE, LINTEL_COURSE))
         )
-        x, z, below = bodies.x, bodies.z, [set() for _ in bodies.x]
+        x = bodies.x
+        z = bodies.z
+        below = [set() for _ in bodies.x]
         # The first body of a bed joint is the lower one.
         for low, high in np.column_stack([contacts.first, contacts.second])[
             ~contacts.upright
@@ -114,9 +120,11 @@ def have_left(layout, motion, joints, state):
         """How often each body is among some, (n_bodies,); supports do not count."""
         return np.bincount(bodies[bodies >= 0], minlength=len(layout.bodies))
 
-    ended, found = (state & ENDED) > 0, np.zeros(len(motion), bool)
+    ended = (state & ENDED) > 0
+    found = np.zeros(len(motion), bool)
     both = np.stack([layout.contacts.first, layout.contacts.second])
-    joined, of_joints = number_of(both.ravel()), both[:, : layout.n_joints][:, joints]
+    joined = number_of(both.ravel())
+    of_joints = both[:, : layout.n_joints][:, joints]
     for k in np.flatnonzero(ended.any(axis=1)):
         loose = number_of(of_joints[:, ended[k]].ravel()) == joined
         far = hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
@@ -171,7 +179,8 @@ class BaseMotion:
         x = bodies.x[self._rows]
         weight = bodies.length[self._rows] / bodies.length[self._rows].sum()
         arm = x - np.sum(weight * x)
-        self._mean, self._slope = weight, weight * arm / max(np.sum(weight * arm**2), 1e-12)
+        self._mean = weight
+        self._slope = weight * arm / max(np.sum(weight * arm**2), 1e-12)
         self._up = drift_height - float(bodies.z[self._rows].mean())
 
     def of(self, motion):

@@ -225,7 +225,9 @@ class Source:
     digest: Callable | None = None
 
 
-SOURCES, RUN_MEMBERS, SUMMARY = [], [], {}
+SOURCES = []
+RUN_MEMBERS = []
+SUMMARY = {}
 """What applications add: each Source, and what runs --members, a function(wall_file, make_wall,
 RunSettings, words of the command line), which returns the exit status; to a printed summary, {name:
 (function of a History, None where there is nothing; function of that, a list of lines)}."""

@@ -5,7 +5,8 @@ import time
 
 import numpy as np
 
-LEAST_S, LEAST_SHARE = 4.0, 0.1
+LEAST_S = 4.0
+LEAST_SHARE = 0.1
 """Time [s] and share of all work that are followed before a pace is known."""
 STEADY = 1.5
 """Ratio of the paces of two stretches of work up to which they are one."""
@@ -20,11 +21,13 @@ class Pace:
     count."""
 
     def __init__(self):
-        self._times, self._works = [], []
+        self._times = []
+        self._works = []
 
     def note(self, done):
         """Note how much work is done by now."""
-        now_s, times = time.monotonic(), self._times
+        now_s = time.monotonic()
+        times = self._times
         if done > 0 and (not times or now_s - times[-1] > THIN * (now_s - times[0])):
             times.append(now_s)
             # a run that begins again takes some back
@@ -41,7 +44,8 @@ class Pace:
             return 0.0
         if len(self._times) < 3 or most > FACTOR * least:
             return None
-        began, now = self._times[0], self._times[-1]
+        began = self._times[0]
+        now = self._times[-1]
         done = self._works[-1]
         made = done - self._works[0]
         if now - began < LEAST_S or made < LEAST_SHARE * (made + least):

@@ -20,7 +20,8 @@ def free_name(wall, settings, solver, folder="results"):
         ]
     elif settings.sequence != (1.0,):
         parts.append("sequence-" + "-".join(f"{factor:g}" for factor in settings.sequence))
-    stem, count = "_".join(parts), 1
+    stem = "_".join(parts)
+    count = 1
     if len(os.fsencode(stem)) > _LONGEST_STEM:
         stem = f"{stem[: _LONGEST_STEM // 4 - 9]}_{hashlib.sha256(stem.encode()).hexdigest()[:8]}"
     while True:

@@ -107,11 +107,9 @@ class RunPlan:
 
     def parameters_with(self, wall_file):
         """Parameters of its history."""
-        loading, wall, period_s = (
-            self.settings.loading,
-            self.layout.wall,
-            float(self.modes.period_s[0]),
-        )
+        loading = self.settings.loading
+        wall = self.layout.wall
+        period_s = float(self.modes.period_s[0])
         found = {
             "wall": wall.as_dict(),
             "wall_file": file_origin(wall_file),
@@ -236,7 +234,9 @@ def plan_of(backend, wall, settings):
 
 def _opened(plan, state, parameters, out, write):
     """The Prepared run of a RunPlan, whose history is opened."""
-    backend, settings, layout = plan.backend, plan.settings, plan.layout
+    backend = plan.backend
+    settings = plan.settings
+    layout = plan.layout
     write = partial(
         write, out, layout, solver=backend.name, versions=plan.made_by, overwrite=settings.overwrite
     )
@@ -245,7 +245,8 @@ def _opened(plan, state, parameters, out, write):
             settings.resumed, layout, parameters, plan.origin, scene=not backend.keeps_state
         )
     else:
-        writer, tables = write(parameters=parameters), None
+        writer = write(parameters=parameters)
+        tables = None
     checkpoints = None
     if writer.path:
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
@@ -276,7 +277,9 @@ def _laid_out(wall, settings):
 
 def announce(plan):
     """Print what a RunPlan will be, and warn of what is doubtful in it."""
-    settings, wall, loading = plan.settings, plan.layout.wall, plan.settings.loading
+    settings = plan.settings
+    wall = plan.layout.wall
+    loading = plan.settings.loading
     warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
     warn(*scaling_warnings(settings, wall), code="mass_scaling")
     if settings.recorded:

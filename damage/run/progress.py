@@ -16,7 +16,8 @@ def attended(label, show=None, quiet=False, several=False):
     """While this lasts interrupts end runs politely: what it gives is the `keep_going` of Run,
     which shows their progress, too.  show: called now and then; several: whether nobody knows how
     many runs there will be."""
-    progress, interrupts = Progress(label, io.StringIO() if quiet else None, several), []
+    progress = Progress(label, io.StringIO() if quiet else None, several)
+    interrupts = []
 
     def keep_going(run, time_s):
         progress.show(time_s, run)
@@ -46,19 +47,24 @@ class Progress:
     """Rewrites one line on a terminal; prints one every few seconds into a log."""
 
     def __init__(self, label, stream=None, several=False):
-        self.label, self.several = label, several
+        self.label = label
+        self.several = several
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
-        self.shown, self.shown_any, self.pace = time.monotonic(), False, Pace()
+        self.shown = time.monotonic()
+        self.shown_any = False
+        self.pace = Pace()
 
     def show(self, simulated_s, run):
         """Show the stage and the index of a Run, at most twice a second (every ten seconds in a
         log)."""
-        now, share = time.monotonic(), run.share
+        now = time.monotonic()
+        share = run.share
         self.pace.note(share)
         if now - self.shown < (0.5 if self.live else 10.0):
             return
-        self.shown, self.shown_any = now, True
+        self.shown = now
+        self.shown_any = True
         left = "" if self.several else f", {time_left(self.pace.left_s(1.0 - share))}"
         line = f"{self.label}  static stage, t = {simulated_s:.2f} s{left}"
         if run.stage != "static":

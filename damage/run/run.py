@@ -62,29 +62,42 @@ class Run:
         checkpoints=None,
         resumed=None,
     ):
-        self.layout, self.settings, self.solver = layout, settings, solver
-        self.writer, self.keep_going, self._settled = writer, keep_going, settled
-        self._state, self._checkpoints, self._resumed = state, checkpoints, resumed
+        self.layout = layout
+        self.settings = settings
+        self.solver = solver
+        self.writer = writer
+        self.keep_going = keep_going
+        self._settled = settled
+        self._state = state
+        self._checkpoints = checkpoints
+        self._resumed = resumed
         self._number = -1  # of the stage, in a checkpoint
-        self.stage, self.collapsed_at_s, self.rests_at_s, self._samples = "static", None, None, 0
+        self.stage = "static"
+        self.collapsed_at_s = None
+        self.rests_at_s = None
+        self._samples = 0
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self._zero_step = schedule.zero_step(self.stages)
         # (velocities in each interval, what moves by them, first interval)
-        self.base, self._prescribed = NO_MOTION, []
+        self.base = NO_MOTION
+        self._prescribed = []
         moves = settings.ground_moves or bool(state and state["base_moves"])
         self._base_motions = [monitor.BaseMotion(layout, *base) for base in layout.bases if moves]
         self._zero = None  # instant at the end of the static stage
         # at time zero; energy that came in with it
-        self._modal_velocity, self._set_in_motion_j = None, 0.0
+        self._modal_velocity = None
+        self._set_in_motion_j = 0.0
         # snapshot of the last sample: of what else is kept all samples share the memory
         self._last = None
         self._stress = stress_by_modes(layout) if settings.model.has_modes else None
         # motion at the end of settling, or where a push begins
-        self._lowest, self._at_rest = monitor.lowest_places(layout), 0.0
+        self._lowest = monitor.lowest_places(layout)
+        self._at_rest = 0.0
         self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # (time [s], unbalanced force) in the static stage
-        solver.with_stresses, self._looks = settings.stresses, []
+        solver.with_stresses = settings.stresses
+        self._looks = []
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring,
         # and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
@@ -150,7 +163,8 @@ class Run:
     def come_to_rest(self):
         """The static stage, or what another run ended with; returns True when the wall came to
         rest, False when interrupted."""
-        solver, dt = self.solver, self.solver.time_step
+        solver = self.solver
+        dt = self.solver.time_step
         n = round(self._ramp_s / dt)
         solver.damp(**self._damping("static"))
         if n == 0 and self._state is None:
@@ -175,7 +189,8 @@ class Run:
         else:
             for look in looks:
                 self.writer.look(*look)
-        events, now = solver.drain_events(), solver.instants()
+        events = solver.drain_events()
+        now = solver.instants()
         self.writer.static_stage(
             base_reaction_n=solver.base_reaction(),
             weight_n=self.layout.total_mass * GRAVITY,
@@ -190,7 +205,8 @@ class Run:
         """Advance until the wall is at rest; returns False when interrupted."""
         while self._continues():
             yield from self._advance(LOOK_STEPS)
-            held, unbalanced = self.time - self._ramp_s, self._unbalanced_force()
+            held = self.time - self._ramp_s
+            unbalanced = self._unbalanced_force()
             self._looks.append((self.time, unbalanced))
             self.writer.look(*self._looks[-1])
             if held >= HOLD_S and (unbalanced < AT_REST or held > HOLD_AT_MOST_S):
@@ -200,11 +216,9 @@ class Run:
     def start(self):
         """The end of the static stage.  The ground begins to settle or, at time zero, the base
         motion starts, the top is taken hold of, or the wall is kicked into its first mode."""
-        solver, drive, settlement = (
-            self.solver,
-            self.settings.loading.drive,
-            self.settings.settlement,
-        )
+        solver = self.solver
+        drive = self.settings.loading.drive
+        settlement = self.settings.settlement
         self.base = schedule.base_acceleration(
             self.settings, self.stages, solver.time_step, self.layout.MOTION_AXES
         )
@@ -221,10 +235,8 @@ class Run:
             solver.resume(self._state)
         if not settlement:
             self._take_hold()
-        interval_s, zero = (
-            self.sample_steps * solver.time_step,
-            self._zero_step // self.sample_steps,
-        )
+        interval_s = self.sample_steps * solver.time_step
+        zero = self._zero_step // self.sample_steps
         interval = interval_s, self.stages[-1].end_step // self.sample_steps - zero
         self._prescribed = [
             (velocities, move, first)
@@ -251,10 +263,8 @@ class Run:
         ]
         now = self._zero = solver.instants()
         if self._state is not None:
-            self._zero, self._set_in_motion_j = (
-                zero_of(self._state, now),
-                float(self._state["set_in_motion_j"]),
-            )
+            self._zero = zero_of(self._state, now)
+            self._set_in_motion_j = float(self._state["set_in_motion_j"])
         if drive.top:  # a push begins where the wall stands, which may continue another run
             self._at_rest = self._motion(now)
         self._last = self._snapshot(0.0, now, self._motion(now), -1)
@@ -281,7 +291,8 @@ class Run:
         solver = self.solver
         self._check_rest()
         now = solver.instants()
-        before, self._at_rest = now.kinetic_j[0], self._motion(now)
+        before = now.kinetic_j[0]
+        self._at_rest = self._motion(now)
         solver.set_velocities(self._modal_velocity)
         self._take_hold()
         self._set_in_motion_j += float(solver.instants().kinetic_j[0] - before)
@@ -332,21 +343,21 @@ class Run:
 
     def _restore(self, tables):
         """Go back to where a checkpoint was written after the static stage."""
-        self._number, self._samples = int(tables["stage"]), int(tables["samples"])
+        self._number = int(tables["stage"])
+        self._samples = int(tables["samples"])
         self.stage = self.stages[self._number].name
         if self.settings.settlement and self._number > 0:
             self._take_hold()
         self.solver.restore(tables)
-        self._zero, self._set_in_motion_j = (
-            zero_of(tables, self._zero),
-            float(tables["set_in_motion_j"]),
-        )
+        self._zero = zero_of(tables, self._zero)
+        self._set_in_motion_j = float(tables["set_in_motion_j"])
         self._last = (
             float(tables["last_time_s"]),
             *(tables[f"last_{k}"] for k in range(len(self._last) - 1)),
         )
         self._balance_j, self._damped_j = tables["inferred_j"].tolist()
-        self._balance.state, self._at_rest = tables["balance"], tables["at_rest"]
+        self._balance.state = tables["balance"]
+        self._at_rest = tables["at_rest"]
 
     def _continues(self):
         """Whether no one interrupts; writes a checkpoint where one does, or where it is due."""
@@ -424,8 +435,10 @@ class Run:
     def _run_stages(self):
         solver = self.solver
         for number in range(max(self._number, 0), len(self.stages)):
-            stage, has_begun = self.stages[number], number == self._number
-            self.stage, self._number = stage.name, number
+            stage = self.stages[number]
+            has_begun = number == self._number
+            self.stage = stage.name
+            self._number = number
             if stage.start_step == self._zero_step > 0 and not has_begun:
                 self._set_in_motion()
             solver.damp(**self._damping(stage.name))
@@ -475,13 +488,15 @@ class Run:
         velocity has one sign until the wave is faster than the push, and takes nothing from it.
         It is critical in the first mode: a quarter of it leaves a wall that slides shaking.
         """
-        drive, local = self.settings.loading.drive, LOCAL_DAMPING
+        drive = self.settings.loading.drive
+        local = LOCAL_DAMPING
         if stage == "settlement":
             is_adaptive = self._borne is not None
         elif stage == "static":
             is_adaptive = self.settings.relaxation == "adaptive"
         elif drive.quasi_static and self.settings.relaxation == "local":
-            is_adaptive, local = False, drive.local_damping
+            is_adaptive = False
+            local = drive.local_damping
         elif drive.quasi_static:
             # no more than what the step resolves: a few stiff bricks would blow up
             alpha_1_s = min(4 * math.pi / self._period_s, 0.5 / self.solver.time_step)
@@ -497,7 +512,8 @@ class Run:
     def take_samples(self, now):
         """Write one sample after the other of everything (Instants), and prescribe the next
         velocities; False where the run has to end, with the last one that is written."""
-        time_s, motion = (now.clock - self._zero_step) * self.solver.time_step, self._motion(now)
+        time_s = (now.clock - self._zero_step) * self.solver.time_step
+        motion = self._motion(now)
         base = self._base_at(now.clock)
         top, drift = self._top_and_drift(motion)
         rows = {
@@ -519,7 +535,9 @@ class Run:
         if self._borne and len(fell) > 0:
             monitor.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
         if len(fell) > 0:
-            problem, end, self.collapsed_at_s = None, fell[0] + 1, float(time_s[fell[0]])
+            problem = None
+            end = fell[0] + 1
+            self.collapsed_at_s = float(time_s[fell[0]])
         # before it is pushed
         free = self.stage == "settlement" and self.settings.loading.drive.top is not None
         self._write(
@@ -639,7 +657,8 @@ class Run:
         """Energies since time zero (n,) [J].  Damping that the solver does not compute is the
         remainder of the balance while the wall settles or is pushed; in any other stage there is
         none."""
-        zero, mass = self._zero, self.layout.weighing
+        zero = self._zero
+        mass = self.layout.weighing
         energies = {
             "kinetic_energy_j": now.kinetic_j,
             "elastic_energy_j": now.elastic_j - zero.elastic_j,
@@ -647,7 +666,8 @@ class Run:
             "friction_energy_j": now.friction_j - zero.friction_j,
             "fracture_energy_j": now.fracture_j - zero.fracture_j,
         }
-        damped, input_j = now.damping_j, now.input_j + self._set_in_motion_j
+        damped = now.damping_j
+        input_j = now.input_j + self._set_in_motion_j
         if damped is None:
             balance = sum(energies.values()) - input_j
             if self.stage in ("settlement", "settling") or self.settings.loading.drive.quasi_static:

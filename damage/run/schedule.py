@@ -83,7 +83,8 @@ def check_top(settings, layout, time_step):
             f"--floor-share with --mass-scaling {settings.mass_scaling}: expected true masses;"
             " leave one of them out"
         )
-    stiffness, inertia = drive.top_stiffness, layout.bodies.inertia[layout.pushed_bodies].min()
+    stiffness = drive.top_stiffness
+    inertia = layout.bodies.inertia[layout.pushed_bodies].min()
     most = 0.25 * float(inertia) / time_step**2
     if stiffness > most:
         raise InputError(
@@ -150,7 +151,8 @@ def stages(settings, layout, time_step, sample_steps):
 
     time_step [s]; sample_steps: steps between two samples.
     """
-    found, start = [], 0
+    found = []
+    start = 0
     if settings.settlement:
         length_s = settlement_s(settings, layout)
         start = sample_steps * math.ceil(length_s / (sample_steps * time_step))
@@ -166,7 +168,8 @@ def stages(settings, layout, time_step, sample_steps):
         return found
     for shock, event in enumerate(settings.all_events, 1):
         lengths = {"motion": event.loading.duration_s, "rest": event.rest_s, "settling": SETTLE_S}
-        first, elapsed_s = start, 0.0
+        first = start
+        elapsed_s = 0.0
         for name, length_s in lengths.items():
             elapsed_s += length_s
             end = first + sample_steps * math.ceil((elapsed_s / time_step - 0.5) / sample_steps)
@@ -207,7 +210,8 @@ def settlement_work(n_contacts):
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it;
     time_step [s]."""
-    loading, interval = settings.loading, sample_steps(time_step, settings.mass_scaling)
+    loading = settings.loading
+    interval = sample_steps(time_step, settings.mass_scaling)
     length_s = (
         loading.length_s(layout.height_of_push(loading.drive.floor_shares))
         if loading.drive.quasi_static
@@ -247,14 +251,16 @@ def base_acceleration(settings, schedule, time_step, axes=2):
     lengths = [round(event.loading.duration_s / time_step) + 1 for event in settings.all_events]
     base = np.zeros((max(map(sum, zip(starts, lengths))), 2))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
-        factor, once = event.factor, event.loading.drive.base(np.arange(n_steps) * time_step)
+        factor = event.factor
+        once = event.loading.drive.base(np.arange(n_steps) * time_step)
         base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
     if axes == 2:
         return base
     other = np.zeros(len(base))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
         if (record := event.loading.applied_across()) is not None:
-            time_s, samples = np.arange(n_steps) * time_step, record.acceleration_m_s2
+            time_s = np.arange(n_steps) * time_step
+            samples = record.acceleration_m_s2
             found = event.factor * at_times(time_s, record.time_step_s, samples)
             other[start : start + n_steps] = to_grid(found, ACCELERATION)
     return np.column_stack([base, other])

@@ -21,7 +21,9 @@ from damage.wall.model_options import ModelOptions
 
 SLENDER_S = 0.15
 """First period from which on a wall with openings takes the longest of the steps below [s]."""
-SLENDER_STEP_S, STIFF_STEP_S, DEFORMABLE_STEP_S = 2e-4, 1e-4, 5e-5
+SLENDER_STEP_S = 2e-4
+STIFF_STEP_S = 1e-4
+DEFORMABLE_STEP_S = 5e-5
 """Time steps with selective mass scaling [s] (docs/validation/step-and-damping.md)."""
 _SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
 _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "inputs", "supports"
@@ -59,7 +61,8 @@ def schemes(settings, wall, modes, decay_1_s=0.0):
     wall: damage.Wall, its `damage.linear.modes.Modes` and `damage.wall.soil.fastest_decay` [1/s].
     Raises InputError where steps with mass scaling are no longer than explicit ones, or longer than
     was shown."""
-    critical_s, masonry_s = modes.critical_time_step_s, modes.masonry_time_step_s
+    critical_s = modes.critical_time_step_s
+    masonry_s = modes.masonry_time_step_s
     step_s = settings.time_step_s or settings.loading.preferred_step_s(
         DEFORMABLE_STEP_S
         if settings.model.has_modes

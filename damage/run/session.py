@@ -51,7 +51,8 @@ def _run(backend, wall_file, make_wall, arguments, prog):
 
 
 def _run_to_its_pictures(prepared, show):
-    settings, out = prepared.settings, prepared.writer.path
+    settings = prepared.settings
+    out = prepared.writer.path
     with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
         (status,) = take_turns([simulate(prepared, keep_going)])
     if status == EXIT_INTERRUPTED and checkpoint_path(out).exists():
@@ -74,12 +75,16 @@ def simulate(prepared, keep_going, settled=None):
         try:
             return (yield from _simulate(prepared, keep_going, settled))
         except RunError as reason:
-            prepared, settled = prepared.repeated(reason), None
+            prepared = prepared.repeated(reason)
+            settled = None
     return (yield from _simulate(prepared, keep_going, settled))
 
 
 def _simulate(prepared, keep_going, settled):
-    layout, writer, status, collapsed = prepared.layout, prepared.writer, "failed", None
+    layout = prepared.layout
+    writer = prepared.writer
+    status = "failed"
+    collapsed = None
     try:
         solver = prepared.solver()
         run = Run(

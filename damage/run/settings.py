@@ -19,9 +19,13 @@ from damage.wall.model_options import ModelOptions
 
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
-RAMP_S, HOLD_S, HOLD_AT_MOST_S = 0.2, 0.2, 3.0
+RAMP_S = 0.2
+HOLD_S = 0.2
+HOLD_AT_MOST_S = 3.0
 """Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
-LONGEST_S, MOST_STEPS, MOST_STATES = 2000.0, 10**8, 10**9
+LONGEST_S = 2000.0
+MOST_STEPS = 10**8
+MOST_STATES = 10**9
 """What a run may have: length [s], time steps, and states of contact points in all of its samples,
 fifteen bytes each when the history is read."""
 SETTLE_S = 0.5
@@ -38,20 +42,23 @@ walls that stand had up to 1e-3, one that topples slowly, held up by local dampi
 AFTER_FALL_S = 10.0
 """Longest time for which bricks are followed after the first one has fallen and the base is at rest
 [s]."""
-RESTS_BELOW_M_S, RESTS_FOR_S = 0.05, 0.2
+RESTS_BELOW_M_S = 0.05
+RESTS_FOR_S = 0.2
 """Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still
 vibrate."""
 RELAXATIONS = ("adaptive", "local")
 MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another
 wall."""
-SCATTER, MOST_MEMBERS = 0.001, 100
+SCATTER = 0.001
+MOST_MEMBERS = 100
 """Of members: coefficient of variation of the strengths where nothing else is asked for
 (docs/guides/planning.md), and how many a single run may have."""
 MASS_SCALING = NONE, LINTELS, SELECTIVE = "none", "lintels", "selective"
 MOST_SCALED_STEP_S = 4e-4
 """Largest time step with selective mass scaling [s]."""
-ACCEPTED_ERROR, ACCEPTED_DROP_M = 0.004, 0.5e-3
+ACCEPTED_ERROR = 0.004
+ACCEPTED_DROP_M = 0.5e-3
 """Of a run with selective mass scaling: energy balance error [-] above which, and drop of a brick
 [m] from which, it is repeated with a smaller step."""
 SOFTENING_BETA_S = 1e-6
@@ -411,6 +418,7 @@ def rayleigh_factors(ratio, first_hz, second_hz):
             f"--rayleigh {ratio:g} {first_hz:g} {second_hz:g}: expected a ratio from 0 to 1 and two"
             " rising frequencies from 0.01 to 1000, like 0.02 5 20"
         )
-    first, second = 2 * math.pi * first_hz, 2 * math.pi * second_hz
+    first = 2 * math.pi * first_hz
+    second = 2 * math.pi * second_hz
     beta = 2 * ratio / (first + second)
     return beta * first * second, beta

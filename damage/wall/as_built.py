@@ -9,7 +9,8 @@ from damage.wall.kinds import CAP_COURSE
 from damage.wall.restraints import top_of
 
 _SAME = 1e-4  # [m], sizes and places closer than this are as given
-WARN_COURSE, WARN_HEIGHT = 0.25, 0.05
+WARN_COURSE = 0.25
+WARN_HEIGHT = 0.05
 """Distance of an edge from its place, in courses, and share of a height, above which a run
 warns."""
 
@@ -75,7 +76,8 @@ def describe_openings(plan):
 def warn_of_courses(plan):
     """Warnings of parts of a Plan's wall that are built far from what is given: a list of at most
     one line."""
-    wall, course = plan.wall, plan.wall.brick.height
+    wall = plan.wall
+    course = plan.wall.brick.height
     levels = [
         Part(f"floor {number}", (0.0, place.floor.level), (0.0, course * place.above))
         for number, place in enumerate(plan.floors, start=1)
@@ -142,7 +144,8 @@ def describe_floors(plan):
 def describe_lintels(plan):
     """Lines on the lintels of a Plan that are bodies, from left to right: kind, place as laid, and
     section or number of bricks."""
-    course, lines = plan.wall.brick.height, []
+    course = plan.wall.brick.height
+    lines = []
     for place in plan.lintels:
         what = (
             f"{place.parts} bricks on end, {place.height:.3g} m high"
@@ -198,7 +201,8 @@ def describe_cap(cap):
     >>> describe_cap({"left_m": 0.0, "right_m": 1.0125, "mass_kg": 6350.0, "stress_pa": 6e5})
     'rigid top mass from x = 0 to 1.0125 m: 6.35 t, 0.6 MPa below it'
     """
-    left, right = cap["left_m"], cap["right_m"]
+    left = cap["left_m"]
+    right = cap["right_m"]
     return (
         f"rigid top mass from x = {left:.5g} to {right:.5g} m: {cap['mass_kg'] / 1e3:.3g} t, "
         f"{cap['stress_pa'] / 1e6:.3g} MPa below it"
@@ -208,7 +212,9 @@ def describe_cap(cap):
 def describe_top(layout):
     """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, each cap
     and restraint."""
-    of, bodies, wall = layout.options, layout.bodies, layout.wall
+    of = layout.options
+    bodies = layout.bodies
+    wall = layout.wall
     restraints = [one.describe(layout.top_mass) for one in wall.restraints]
     if layout.top_mass == 0:
         return ["no mass on top: no precompression", *restraints]

@@ -167,7 +167,9 @@ def _bed_pairs(plan, bodies, cells, breaks):
     Facing cells lie between the same two breaks.
     """
     column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
-    below, pairs, n_below_caps = {}, [], plan.taken.shape[1]
+    below = {}
+    pairs = []
+    n_below_caps = plan.taken.shape[1]
     of_caps = np.full(len(bodies) - n_below_caps, len(plan.runs))  # the course above the wall
     above = BED if top_of(plan.wall) else CAP
     first, last = (np.append(course, of_caps)[cells.body] for course in plan.taken)
@@ -197,10 +199,15 @@ def _lintel_rows(plan, options, bodies, cells):
         for k, place in enumerate(place for place in plan.lintels for _ in range(place.parts))
     }
     sides = np.flatnonzero(bodies.course == SIDE_COURSE).tolist()
-    ends, half = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2), bodies.height / 2
-    beside, cuts, least = [], [], 2 // len(POINT_POSITIONS[options.contacts])
+    ends = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2)
+    half = bodies.height / 2
+    beside = []
+    cuts = []
+    least = 2 // len(POINT_POSITIONS[options.contacts])
     for one, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
-        cell, facing, x = right_cell[one], left_cell[other], ends[1][one]
+        cell = right_cell[one]
+        facing = left_cell[other]
+        x = ends[1][one]
         bottom, top = (
             pick(bodies.z[[one, other]] + sign * half[[one, other]])
             for pick, sign in ((max, -1), (min, 1))
@@ -215,7 +222,8 @@ def _lintel_rows(plan, options, bodies, cells):
         both_lintels = place is not None and of_part.get(other)
         segments = round(segments_of(options) * (top - bottom) / (plan.wall.brick.length / 2))
         parts = max(least, segments) if both_lintels else 1
-        size, at = (top - bottom) / parts, POINT_POSITIONS[options.contacts]
+        size = (top - bottom) / parts
+        at = POINT_POSITIONS[options.contacts]
         beside += [
             (HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
             for k in range(parts)
@@ -244,7 +252,8 @@ def _touching(parts, ends, bottom, top):
 
 def _head_pairs(bodies, n_bricks, cells):
     """(kind, cell on the left, cell on the right) of every head joint."""
-    here, there = cells.body[:-1], cells.body[1:]
+    here = cells.body[:-1]
+    there = cells.body[1:]
     met = (
         (there < n_bricks)
         & (here != there)
@@ -259,8 +268,10 @@ def _part_of(brick, bodies, cells, cell):
     split."""
     if cell == GROUND:
         return GROUND, False
-    body, middle = cells.body[cell], (cells.left[cell] + cells.right[cell]) / 2
-    x, length = bodies.x[body], bodies.length[body]
+    body = cells.body[cell]
+    middle = (cells.left[cell] + cells.right[cell]) / 2
+    x = bodies.x[body]
+    length = bodies.length[body]
     return body, bool(can_split(brick, length) and middle > middle_of(x, length))
 
 

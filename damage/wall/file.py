@@ -86,7 +86,8 @@ def shipped_houses():
 def wall_path(word):
     """Path of a file of a wall or a house, given by its path or by the name of one that ships, like
     symmetric; a file of that name comes first.  Raises InputError where there is neither."""
-    path, named = check_path(word), shipped_walls() | shipped_houses()
+    path = check_path(word)
+    named = shipped_walls() | shipped_houses()
     if path.is_file():
         return path
     if str(path) in named:
@@ -220,7 +221,8 @@ def _joint(table):
 def _masonry(given):
     """{"brick", "joint"} of the table `masonry`, which is taken out of the given ones with [joint]
     and [brick]."""
-    chosen, joint = given.pop("masonry"), given.pop("joint", {})
+    chosen = given.pop("masonry")
+    joint = given.pop("joint", {})
     if isinstance(chosen, dict):
         _refuse_unknown("masonry", chosen, MASONRY_KEYS)
     if isinstance(chosen, dict) and set(chosen) == {"young_modulus"}:

@@ -148,7 +148,8 @@ def _overlap(one, other):
 def with_timber_floors(plan, bodies):
     """Bodies below the caps of a damage.wall.plan.Plan with the masses of timber floors on bricks
     and lintels, inertia growing with mass."""
-    more, (first, last) = np.zeros(len(bodies)), plan.taken
+    more = np.zeros(len(bodies))
+    (first, last) = plan.taken
     for floor, left, right, course, _ in plan.floors:
         if not floor.is_body:
             on = (first <= course) & (course <= last) & (bodies.course != SLAB_COURSE)
@@ -163,9 +164,11 @@ def _shares(x, length, left, right):
     """Shares of a load from `left` to `right` that bricks carry by the length of each that it
     covers, with a part that grows along the wall so that they have the load's resultant in its
     place: bricks act at their middles."""
-    start, end = np.maximum(x - length / 2, left), np.minimum(x + length / 2, right)
+    start = np.maximum(x - length / 2, left)
+    end = np.minimum(x + length / 2, right)
     covered = np.maximum(end - start, 0.0)
     share = covered / covered.sum()
-    middle, away = np.sum(share * x), np.sum(share * ((start + end) / 2 - x))
+    middle = np.sum(share * x)
+    away = np.sum(share * ((start + end) / 2 - x))
     spread = np.sum(share * (x - middle) ** 2)
     return share * (1 + away / spread * (x - middle)) if spread > TINY**2 else share

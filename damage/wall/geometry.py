@@ -55,7 +55,8 @@ def cuts_of_lintels(joints, bodies):
 def joint_table(layout):
     """The joints of a Layout as `History.joints` has them: kind, bodies, x_m, z_m, length_m,
     elastic."""
-    contacts, n = layout.contacts, layout.n_joints
+    contacts = layout.contacts
+    n = layout.n_joints
     return pd.DataFrame(
         {
             "kind": np.array(KINDS)[contacts.kind[:n]],
@@ -119,7 +120,8 @@ def support_outlines(supports, depth, magnify=1.0):
     supports: SupportMotion.
     """
     half = (supports.right - supports.left)[:, None] / 2
-    x, z = half * (-1, 1, 1, -1), np.array([[-depth, -depth, 0.0, 0.0]]) + np.zeros_like(half)
+    x = half * (-1, 1, 1, -1)
+    z = np.array([[-depth, -depth, 0.0, 0.0]]) + np.zeros_like(half)
     ux, uz, rotation = (supports.motion * magnify).T[..., None]
     dx, dz = rigid_displacement(ux, uz, rotation, x, z)
     return np.stack([supports.x[:, None] + x + dx, z + dz], axis=2)
@@ -153,7 +155,8 @@ def tributary_ends(joints):
     two in a cell.  Of the points through the thickness of a house each has the whole length."""
     if "share" in joints:
         return _of_each_layer(joints)
-    point, length = joints[["x_m", "z_m"]].to_numpy(), joints["length_m"].to_numpy()
+    point = joints[["x_m", "z_m"]].to_numpy()
+    length = joints["length_m"].to_numpy()
     is_head = joints["kind"].isin(("head", "brick")).to_numpy()
     along = np.where(is_head[:, None], (0.0, 1.0), (1.0, 0.0))
     middle = point + along * (_inwards(joints, point, length) * length / 2)[:, None]
@@ -194,5 +197,6 @@ def _inwards(joints, point, length):
         starts = np.flatnonzero(
             same_bodies & (np.abs(share - place) * (length[:-1] + length[1:]) < TINY)
         )
-        side[starts], side[starts + 1] = 2 * place - 1, 1 - 2 * place
+        side[starts] = 2 * place - 1
+        side[starts + 1] = 1 - 2 * place
     return side

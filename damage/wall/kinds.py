@@ -7,10 +7,17 @@ TINY = 1e-6
 """[m], two positions closer than this are the same."""
 GROUND = -1
 """The first support, body -1; others follow as -2, -3, ... (`damage.wall.layout.Supports`)."""
-BED, HEAD, CUT, CAP = 0, 1, 2, 3
+BED = 0
+HEAD = 1
+CUT = 2
+CAP = 3
 KINDS = ("bed", "head", "brick", "cap")
 """On bed and head joints, on the cuts where bricks can split, on the caps' glue."""
-CAP_COURSE, SLAB_COURSE, LINTEL_COURSE, ARCH_COURSE, SIDE_COURSE = -1, -2, -3, -4, -5
+CAP_COURSE = -1
+SLAB_COURSE = -2
+LINTEL_COURSE = -3
+ARCH_COURSE = -4
+SIDE_COURSE = -5
 """`course` of bodies that are no bricks of a course, in this order: a cap, or the beam of a
 restrained top; a concrete floor; a segment of a lintel's beam; a brick of an arch; a party wall."""
 CAP_HEIGHT = 0.20
@@ -55,7 +62,8 @@ def lumped_stiffness(wall, bodies, kind, first, second):
     wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of
     the contact points, as in damage.wall.contact_points.Contacts.
     """
-    brick, joint = wall.brick, wall.joint
+    brick = wall.brick
+    joint = wall.joint
     upright = (kind == HEAD) | (kind == CUT)
     distance = np.full(len(kind), brick.height)
     distance[(first < 0) | ((kind == BED) & (bodies.course[second] == CAP_COURSE))] = (

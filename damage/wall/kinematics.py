@@ -19,7 +19,8 @@ def rigid_displacement(ux, uz, turn, x, z):
     ux, uz [m], turn [rad, x towards z]: of the body's centre; x, z [m]: of the points from the
     centre at rest.
     """
-    less, along = cos(turn) - 1, sin(turn)
+    less = cos(turn) - 1
+    along = sin(turn)
     return ux + less * x - along * z, uz + along * x + less * z
 
 
@@ -46,10 +47,12 @@ class ContactKinematics:
     """Opening and shear of the contacts of a layout, all of them or those of `select`."""
 
     def __init__(self, layout):
-        contacts, bodies = layout.contacts, layout.bodies
+        contacts = layout.contacts
+        bodies = layout.bodies
         self.at_rest = np.zeros((len(layout.supports), 3))
         self.ends = [rows(body, len(bodies)) for body in (contacts.first, contacts.second)]
-        x, z = np.append(bodies.x, layout.supports.x), np.append(bodies.z, self.at_rest[:, 1])
+        x = np.append(bodies.x, layout.supports.x)
+        z = np.append(bodies.z, self.at_rest[:, 1])
         self.arms = [(contacts.x - x[body], contacts.z - z[body]) for body in self.ends]
         self.head = contacts.upright
 
@@ -65,9 +68,12 @@ class ContactKinematics:
             rigid_displacement(*of, rx[select], rz[select])
             for of, (rx, rz) in zip(motions, self.arms)
         )
-        dx, dz = second[0] - first[0], second[1] - first[1]
+        dx = second[0] - first[0]
+        dz = second[1] - first[1]
         turn = (motions[0][2] + motions[1][2]) / 2
-        across, along = cos(turn), sin(turn)
-        along_x, along_z = across * dx + along * dz, across * dz - along * dx
+        across = cos(turn)
+        along = sin(turn)
+        along_x = across * dx + along * dz
+        along_z = across * dz - along * dx
         head = self.head[select]
         return np.where(head, along_x, along_z), np.where(head, along_z, along_x)

@@ -214,8 +214,10 @@ class Layout:
         """Places and normals of the contact points in the wall of each of their two bodies (2,
         n_contacts, 3), x along it, y through its thickness and z upwards [m]; and the distance
         (n_contacts,) [m] from there to the inside of both bodies."""
-        contacts, cells = self.contacts, self.cells
-        nothing, upright = np.zeros(len(contacts)), contacts.upright
+        contacts = self.contacts
+        cells = self.cells
+        nothing = np.zeros(len(contacts))
+        upright = contacts.upright
         place = np.column_stack([contacts.x, nothing, contacts.z])
         normal = np.column_stack([upright, nothing, ~upright]).astype(float)
         width = cells.right - cells.left
@@ -251,7 +253,9 @@ class Layout:
         the relative displacement of second to first along `directions` (n_contacts, 2), (2,
         n_contacts, coordinates); zero on the ground.  Directions are the normals or the tangents
         where bricks deform."""
-        contacts, bodies, strain = self.contacts, self.bodies, self.strain
+        contacts = self.contacts
+        bodies = self.bodies
+        strain = self.strain
         coordinates = 3 + (strain.n_modes if strain else 0)
         result = np.zeros((2, len(contacts), coordinates))
         across = np.any(directions * contact_normals(contacts), axis=1)
@@ -315,7 +319,8 @@ class Layout:
         floor_shares: ((level [m], share [-]), ...), none for the top.  Raises InputError for a
         level that is neither a floor's nor the wall's.
         """
-        found, mass = np.zeros(len(self.bodies)), self.bodies.mass
+        found = np.zeros(len(self.bodies))
+        mass = self.bodies.mass
         for level, share in floor_shares or ((None, 1.0),):
             on = self.pushed_bodies if level is None else self._carries(level)
             found[on] += share * mass[on] / total(mass[on])
@@ -323,7 +328,9 @@ class Layout:
 
     def _carries(self, level):
         """Indices of the bodies that carry the floors, or the top, at this level [m]."""
-        wall, bodies, course = self.wall, self.bodies, self.wall.brick.height
+        wall = self.wall
+        bodies = self.bodies
+        course = self.wall.brick.height
         places = [place for place in self.plan.floors if place.above == round(level / course)]
         if places:
             of_course = np.abs(bodies.z - (places[0].above - 0.5) * course) < bodies.height / 2
@@ -366,7 +373,8 @@ class Layout:
     @property
     def held(self):
         """Coordinates whose velocity restraints prescribe, bool (n_bodies, 3)."""
-        beam, top = self.bodies.course == CAP_COURSE, top_of(self.wall)
+        beam = self.bodies.course == CAP_COURSE
+        top = top_of(self.wall)
         found = np.repeat(self.bodies.course == SIDE_COURSE, 3).reshape(-1, 3)
         if top:
             found[beam] = [top.stiffness is None, False, top.rotation == "fixed"]
@@ -438,7 +446,8 @@ def _lay_out_alike(wall, options):
     """The Layout of whole bricks whose joints are all as strong as the wall says: what members of
     an ensemble share."""
     plan = plan_of(wall, options)
-    bodies, n_bricks = _make_bodies(plan, options), plan.n_bricks
+    bodies = _make_bodies(plan, options)
+    n_bricks = plan.n_bricks
     breaks = _cell_breaks(plan, options)
     cells = _make_cells(bodies, breaks)
     points = (len(cells.body) + n_bricks) * len(POINT_POSITIONS[options.contacts])
@@ -449,10 +458,8 @@ def _lay_out_alike(wall, options):
             f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact"
             f" points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall"
         )
-    contacts, drift_bodies = (
-        make_contacts(plan, options, bodies, cells, breaks),
-        _find_drift_bodies(plan, bodies),
-    )
+    contacts = make_contacts(plan, options, bodies, cells, breaks)
+    drift_bodies = _find_drift_bodies(plan, bodies)
     return Layout(
         wall=wall,
         plan=plan,
@@ -491,19 +498,17 @@ def _top_mass(plan, options):
 def _make_bodies(plan, options):
     """Bricks, slabs and lintels, with the masses that are spread over them, and caps for a top mass
     that is not spread."""
-    brick, top_mass, (first, last), n = (
-        plan.wall.brick,
-        _top_mass(plan, options),
-        plan.taken,
-        plan.n_bricks,
-    )
-    length, height = plan.ends[1] - plan.ends[0], (last + 1 - first) * brick.height
-    mass, course, behind = (
-        brick.density * length * height * brick.thickness,
-        first.copy(),
-        n + len(plan.slabs),
-    )
-    mass[n:behind], course[n:behind] = [slab.floor.mass for slab in plan.slabs], SLAB_COURSE
+    brick = plan.wall.brick
+    top_mass = _top_mass(plan, options)
+    (first, last) = plan.taken
+    n = plan.n_bricks
+    length = plan.ends[1] - plan.ends[0]
+    height = (last + 1 - first) * brick.height
+    mass = brick.density * length * height * brick.thickness
+    course = first.copy()
+    behind = n + len(plan.slabs)
+    mass[n:behind] = [slab.floor.mass for slab in plan.slabs]
+    course[n:behind] = SLAB_COURSE
     parts = [place for place in plan.lintels for _ in range(place.parts)]
     mass[behind:] = np.array([mass_per_length(brick, place) for place in parts]) * length[behind:]
     course[behind:] = [
@@ -530,7 +535,8 @@ def _make_bodies(plan, options):
 
 def _with_restraints(plan, options, bodies, top_mass):
     """Bodies, and behind them caps, or the beam of a restraint, and party walls."""
-    wall, top = plan.wall, top_of(plan.wall)
+    wall = plan.wall
+    top = top_of(plan.wall)
     if options.top == "uniform":
         raise InputError(
             f"--top uniform with restraints of wall {wall.name}: expected a top mass of its own,"
@@ -632,7 +638,8 @@ def _cell_breaks(plan, options):
     Corner contacts lie at both ends of a segment, so one segment less gives as many points; of
     Gauss points there are two in each, so that half as many do.
     """
-    segments, wall = segments_of(options), plan.wall
+    segments = segments_of(options)
+    wall = plan.wall
     of_bricks = [x for course in plan.bricks for brick in course for x in brick]
     edges = np.unique(
         np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9)

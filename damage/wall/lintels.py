@@ -189,12 +189,11 @@ def edges_of(lintel, brick, left, right, near):
     are closer than 8 mm."""
     if lintel.kind != "arch":
         half = brick.length / 2
-        first, last = (
-            np.ceil((left + half / 2 - TINY) / half),
-            np.floor((right - half / 2 + TINY) / half),
-        )
+        first = np.ceil((left + half / 2 - TINY) / half)
+        last = np.floor((right - half / 2 + TINY) / half)
         return (left, *(float(k * half) for k in range(int(first), int(last) + 1)), right)
-    quarter, count = brick.length / 4, max(2, round((right - left) / brick.height))
+    quarter = brick.length / 4
+    count = max(2, round((right - left) / brick.height))
     inner = []
     for x in (left + (right - left) * k / count for k in range(1, count)):
         beside = min((*near, round(x / quarter) * quarter), key=lambda place: abs(place - x))
@@ -250,7 +249,8 @@ def in_lintel(plan, lintel, x, z):
     the joints' parts between two bricks [m].  Openings with a lintel of their own have none of
     these.
     """
-    brick, inside = plan.wall.brick, np.zeros(len(x), dtype=bool)
+    brick = plan.wall.brick
+    inside = np.zeros(len(x), dtype=bool)
     most = 0 if lintel == "none" else int(lintel) if lintel.isdigit() else len(plan.runs)
     for place in (one for one in plan.openings if not one.lintel.is_body):
         inside |= (

@@ -156,10 +156,8 @@ def masonry(
     >>> sorted(masonry("clay-standard", "waalformaat"))
     ['brick', 'joint']
     """
-    found, size = (
-        _named("material", material, MATERIALS),
-        _named("brick format", brick_format, FORMATS),
-    )
+    found = _named("material", material, MATERIALS)
+    size = _named("brick format", brick_format, FORMATS)
     check_range("mortar [m]", mortar, 0.0, 0.05)
     check_number("wythes", wythes, "a whole number from 1 to 6", lambda value: value in range(1, 7))
     given = {

@@ -23,7 +23,8 @@ def new_wall(path, source="symmetric"):
     the source does. Raises InputError where it exists, for an unknown source, and for one of data
     that is to be Python.
     """
-    path, named = check_path(path), shipped_walls()
+    path = check_path(path)
+    named = shipped_walls()
     if source not in named:
         raise InputError(
             f"--from {source}: expected a wall that ships: {', '.join(named)}"
@@ -95,7 +96,8 @@ def _value(value):
 def _python(path_of_shipped, path, name):
     """The text of the new file: imports, constants and functions of the shipped one, without what
     is for YADE."""
-    shipped, source = path_of_shipped.read_text(encoding="utf-8"), path_of_shipped.stem
+    shipped = path_of_shipped.read_text(encoding="utf-8")
+    source = path_of_shipped.stem
     tree = ast.parse(shipped)
     title = ast.get_docstring(tree).splitlines()[0]
     kept = [

@@ -19,7 +19,9 @@ from damage.wall.lintels import KINDS_OF_LINTELS, Lintel, lintel_of
 from damage.wall.plan import check_bearing, check_outline, plan_of
 from damage.wall.restraints import Restraint, check_restraints
 
-LONGEST_M, LONGEST_NAME, MOST_PARTS = 1000.0, 100, 1000
+LONGEST_M = 1000.0
+LONGEST_NAME = 100
+MOST_PARTS = 1000
 """What a wall may have: length and height [m], characters of its name; openings, floors, or points
 of the outline: each is compared with all others."""
 
@@ -507,7 +509,8 @@ class Wall:
         middle is nearest to where it is given, halves up: both edges by themselves would make three
         courses two or four.  It stays below the wall's top where it is given so.
         """
-        course, top = self.brick.height, opening.sill + opening.height
+        course = self.brick.height
+        top = opening.sill + opening.height
         count = nearest(opening.height / course)
         first = nearest((opening.sill + top) / (2 * course) - count / 2)
         if round(top / course) <= self.courses:

@@ -123,7 +123,8 @@ def plan_of(wall, options=None):
     """The Plan of a damage.Wall under ModelOptions, whose `lintel` says which lintels are built;
     None: as given."""
     wall = wall if options is None else wall.with_lintels(options.lintel)
-    floors, brick = floor_places(wall), wall.brick
+    floors = floor_places(wall)
+    brick = wall.brick
     openings = _opening_places(wall, floors)
     outlined = [outlined_runs(wall, course) for course in range(wall.courses)]
     holes = [place[:4] for place in openings] + [
@@ -198,7 +199,8 @@ def _find_piers(length, openings):
     The top storey's openings are those between the top and the first full course below an opening.
     Over those farther down stands a pier, or a full course and all above it, which carry.
     """
-    storey, sill = [], np.inf
+    storey = []
+    sill = np.inf
     for opening in sorted(openings, key=lambda one: -one.above):
         if storey and opening.above < sill:
             break
@@ -215,11 +217,13 @@ def _lintel_places(brick, openings, runs):
     both sides; where less than half a brick would be left beside it, it reaches to the end of that
     part of the course, or meets the lintel that is there.
     """
-    length, found = brick.length, []
+    length = brick.length
+    found = []
     for place in sorted(openings, key=lambda one: (one.left, one.first)):
         lintel = place.lintel
         wanted = lintel.courses(brick) if lintel.is_body else 0
-        first, above = place.above, min(place.spandrel, place.above + wanted)
+        first = place.above
+        above = min(place.spandrel, place.above + wanted)
         run = _common_run(runs[first:above], (place.left + place.right) / 2)
         if run is None:
             continue
@@ -259,7 +263,8 @@ def _bearing_end(length, edge, bearing, end):
     it."""
     if not bearing:
         return edge
-    x, side = _on_quarters(length, edge + bearing), np.sign(bearing)
+    x = _on_quarters(length, edge + bearing)
+    side = np.sign(bearing)
     if (x - edge) * side < length / 8:
         x += side * length / 4
     return end if (end - x) * side < length / 2 - TINY else x
@@ -277,7 +282,8 @@ def outlined_runs(wall, course):
     middle = (course + 0.5) * wall.brick.height
     ends = []  # (x, whether the outline slopes there), left and right in turn
     for (x, z), (next_x, next_z) in pairwise(wall.outline):
-        inside, stays = z > middle - TINY, next_z > middle - TINY
+        inside = z > middle - TINY
+        stays = next_z > middle - TINY
         if inside and not ends:
             ends.append((x, False))
         if inside != stays:
@@ -306,7 +312,8 @@ def _snapped(x, quarter, is_left):
 def _beside_all(courses, holes, half):
     """Parts (left, right) [m] that holes (left, right, first course, first above) leave of these
     parts of each course, if they are half a brick long or more."""
-    found, holes = [], sorted(holes)
+    found = []
+    holes = sorted(holes)
     for course, parts in enumerate(courses):
         left_over = parts
         for start, end, first, above in holes:
@@ -347,7 +354,8 @@ def _lay_run(length, offset, left, right):
 
 def check_outline(wall):
     """Raise InputError for an outline that is none, or whose wall has bricks in the air."""
-    outline, what = wall.outline, f"Wall.outline of {wall.name}"
+    outline = wall.outline
+    what = f"Wall.outline of {wall.name}"
     if len(outline) < 2 or abs(outline[0][0]) > 1e-9 or abs(outline[-1][0] - wall.length) > 1e-9:
         raise InputError(
             f"{what} from {_point(outline[:1])} to {_point(outline[-1:])}: expected at least two"
@@ -359,7 +367,8 @@ def check_outline(wall):
                 f"{what} runs back from {_point([first])} to {_point([second])}: expected points"
                 " from left to right; order them"
             )
-    lowest, highest = min(z for _, z in outline), max(z for _, z in outline)
+    lowest = min(z for _, z in outline)
+    highest = max(z for _, z in outline)
     if lowest < 0 or abs(highest - wall.height) > 1e-6:
         raise InputError(
             f"{what} is {lowest:g} to {highest:g} m high: expected 0 or more and Wall.height = "
@@ -380,7 +389,8 @@ def check_outline(wall):
 def check_bearing(plan):
     """Raise InputError where a part of a course, or a slab, has nothing below one of its ends, or a
     timber floor no brick."""
-    wall, eighth = plan.wall, plan.wall.brick.length / 8
+    wall = plan.wall
+    eighth = plan.wall.brick.length / 8
     for (left, right), course, below in plan.rests:
         free = [
             x

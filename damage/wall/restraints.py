@@ -100,7 +100,8 @@ def top_of(wall):
 
 def check_restraints(wall):
     """Raise InputError for two restraints of a side, and for a top that cannot have one."""
-    sides, top = [one.side for one in wall.restraints], top_of(wall)
+    sides = [one.side for one in wall.restraints]
+    top = top_of(wall)
     for side in SIDES:
         if sides.count(side) > 1:
             raise InputError(

@@ -24,20 +24,20 @@ import numpy as np
 
 from damage.eigen import eigen
 
-DENSITY, POISSON_RATIO = 1800.0, 0.4
+DENSITY = 1800.0
+POISSON_RATIO = 0.4
 """Of the soil that radiates [kg/m3, -]: wet clay and sand."""
 
 
 def on_soil(layout):
     """The damage.wall.layout.Layout with its base contacts on the soil of its options; the same
     where that is rigid."""
-    options, contacts = layout.options, layout.contacts
+    options = layout.options
+    contacts = layout.contacts
     if options.soil == "rigid":
         return layout
-    base, per_area = (
-        contacts.first < 0,
-        float(options.soil) * options.footing / layout.wall.brick.thickness,
-    )
+    base = contacts.first < 0
+    per_area = float(options.soil) * options.footing / layout.wall.brick.thickness
     stiffness = {
         name: np.where(
             base, _in_series(getattr(contacts, name), share * per_area), getattr(contacts, name)
@@ -67,13 +67,18 @@ def radiation_times(options):
 def fastest_decay(layout):
     """Largest rate at which the dashpots alone would stop a body on the soil [1/s], of a layout;
     0.0 without."""
-    times, contacts, bodies = radiation_times(layout.options), layout.contacts, layout.bodies
+    times = radiation_times(layout.options)
+    contacts = layout.contacts
+    bodies = layout.bodies
     base = np.flatnonzero(contacts.first < 0)
     if not any(times) or len(base) == 0:
         return 0.0
     on, place = np.unique(contacts.second[base], return_inverse=True)
-    second, zero, one = contacts.second[base], np.zeros(len(base)), np.ones(len(base))
-    arm_x, arm_z = contacts.x[base] - bodies.x[second], contacts.z[base] - bodies.z[second]
+    second = contacts.second[base]
+    zero = np.zeros(len(base))
+    one = np.ones(len(base))
+    arm_x = contacts.x[base] - bodies.x[second]
+    arm_z = contacts.z[base] - bodies.z[second]
     rates = np.zeros((len(on), 3, 3))
     for time, stiffness, directions in (
         (times[0], contacts.normal_stiffness, (zero, one, arm_x)),

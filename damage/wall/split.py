@@ -68,7 +68,9 @@ def cut_bricks(layout):
     A left half keeps its brick's number; right halves come behind the other bricks, and cuts behind
     the joints.
     """
-    old, n, wall = layout.bodies, layout.n_bricks, layout.wall
+    old = layout.bodies
+    n = layout.n_bricks
+    wall = layout.wall
     is_brick = np.arange(len(old)) < n
     splits = is_brick & can_split(wall.brick, old.length)
     cut = np.flatnonzero(splits)

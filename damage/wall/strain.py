@@ -55,7 +55,8 @@ class BrickModes:
         """Normal stress along x and z, tension positive, and shear stress by a unit of each mode,
         (n, 3, n_modes) [Pa/(m sqrt(kg))], at points x, z (n,) [m] from the centre."""
         _, along_x, along_z = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
-        dx, dz = self._sum(2 / self.length * along_x), self._sum(2 / self.height * along_z)
+        dx = self._sum(2 / self.length * along_x)
+        dz = self._sum(2 / self.height * along_z)
         strain = dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]
         return np.stack(
             [sum(modulus * of for modulus, of in zip(row, strain)) for row in self.elasticity],
@@ -100,23 +101,26 @@ def brick_modes(brick, length, order=ORDER):
     Modes are odd or even in x and in z: each of the four classes has its own problem, so that equal
     frequencies of a square brick belong to different ones and their modes are none of any mixture.
     """
-    degrees, height = (
-        np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)]),
-        brick.height,
-    )
-    elasticity, n = elasticity_of(brick), len(degrees)
-    matrix, density = _stiffness(degrees, length, height, elasticity), to_bits(brick.density)
+    degrees = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)])
+    height = brick.height
+    elasticity = elasticity_of(brick)
+    n = len(degrees)
+    matrix = _stiffness(degrees, length, height, elasticity)
+    density = to_bits(brick.density)
     matrix /= density
     # Rigid are the constants, and what the linear terms make of the brick's rotation; beside that
     # they make a shear.
-    constant, along_z, along_x = 0, 1, n + order + 1
+    constant = 0
+    along_z = 1
+    along_x = n + order + 1
     diagonal = math.sqrt(length * length + height * height)
     turn = along_z, along_x, length / diagonal, height / diagonal
     rotate(matrix, *turn)
     rotate(matrix.T, *turn)
     parity = (np.vstack([degrees, degrees + 1]) % 2).tolist()
     strains = [k for k in range(2 * n) if k not in (constant, n + constant, along_x)]
-    squares, vectors = [], []
+    squares = []
+    vectors = []
     for of in ((0, 0), (0, 1), (1, 0), (1, 1)):
         own = [k for k in strains if tuple(parity[k]) == of]
         found, of_own = eigen(matrix[np.ix_(own, own)])
@@ -125,7 +129,8 @@ def brick_modes(brick, length, order=ORDER):
         whole[along_x], whole[along_z] = turn[3] * whole[along_z], turn[2] * whole[along_z]
         squares.append(found)
         vectors.append(whole)
-    frequency, vectors = np.sqrt(np.concatenate(squares)), np.hstack(vectors)
+    frequency = np.sqrt(np.concatenate(squares))
+    vectors = np.hstack(vectors)
     order = np.argsort(to_bits(frequency), kind="stable")  # of equal ones by their classes
     mass = density * length * height * brick.thickness
     vectors = np.stack([_with_sign(vector) for vector in vectors.T[order]], axis=1) / math.sqrt(
@@ -168,7 +173,8 @@ def _brick_modes(brick, length):
 def elasticity_of(brick):
     """Stress by strain (3, 3) [Pa]: sigma_x, sigma_z, tau of epsilon_x, epsilon_z, gamma, in plane
     stress.  Raises InputError where the moduli are of no isotropic material."""
-    young, shear = to_bits(brick.young_modulus), to_bits(brick.shear_modulus)
+    young = to_bits(brick.young_modulus)
+    shear = to_bits(brick.shear_modulus)
     poisson = young / (2 * shear) - 1
     if not -1 < poisson < 1:
         raise InputError(
@@ -204,11 +210,14 @@ def strain_of(brick, options, bodies, contacts, n_bricks):
 def _shapes(modes, bodies, contacts):
     """Shapes of a Strain, and their rows on both sides of every contact point; modes: BrickModes of
     each brick."""
-    shapes, numbers, sides = [np.zeros((2, len(modes[0].frequency)))], {}, []
+    shapes = [np.zeros((2, len(modes[0].frequency)))]
+    numbers = {}
+    sides = []
     for side in (contacts.first, contacts.second):
         rows = np.zeros(len(contacts), int)
         for k in np.flatnonzero((side >= 0) & (side < len(modes))):
-            brick, upright = side[k], bool(contacts.upright[k])
+            brick = side[k]
+            upright = bool(contacts.upright[k])
             place = contacts.x[k] - bodies.x[brick], contacts.z[k] - bodies.z[brick]
             key = modes[brick].length, *np.round(place, 9).tolist(), upright
             if key not in numbers:
@@ -227,20 +236,19 @@ def _stiffness(degrees, length, height, elasticity):
     sqrt(2 i + 1) sqrt(2 k + 1), m the lower degree, where both are odd or even; that of p_i' p_k is
     the root where i > k and one of them is odd, the other even."""
     size = np.arange(degrees.max() + 1)
-    root, low = (
-        np.sqrt((2.0 * size + 1) * (2.0 * size[:, None] + 1)),
-        np.minimum(size, size[:, None]),
-    )
+    root = np.sqrt((2.0 * size + 1) * (2.0 * size[:, None] + 1))
+    low = np.minimum(size, size[:, None])
     alike = (size + size[:, None]) % 2 == 0
-    same, once = np.eye(len(size)), np.where(~alike & (size[:, None] > size), root, 0.0)
+    same = np.eye(len(size))
+    once = np.where(~alike & (size[:, None] > size), root, 0.0)
     twice = np.where(alike, root * (low * (low + 1) / 2), 0.0)
     i, j = (degree[:, None] for degree in degrees.T)
     k, m = degrees.T
-    per_x, per_z, shear = 2 / length, 2 / height, elasticity[2, 2]
-    along_x, along_z = (
-        per_x * per_x * (twice[i, k] * same[j, m]),
-        per_z * per_z * (same[i, k] * twice[j, m]),
-    )
+    per_x = 2 / length
+    per_z = 2 / height
+    shear = elasticity[2, 2]
+    along_x = per_x * per_x * (twice[i, k] * same[j, m])
+    along_z = per_z * per_z * (same[i, k] * twice[j, m])
     mixed = (
         per_x
         * per_z
@@ -269,7 +277,8 @@ def _polynomials(degrees, x, z):
 def _legendre(x, most):
     """Legendre polynomials up to a degree at points (n,), times sqrt(2 k + 1), and their slopes:
     (degrees, n) each."""
-    values, slopes = [np.ones(len(x)), x], [np.zeros(len(x)), np.ones(len(x))]
+    values = [np.ones(len(x)), x]
+    slopes = [np.zeros(len(x)), np.ones(len(x))]
     for k in range(1, most):
         values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
         slopes.append((2 * k + 1) * values[k] + slopes[k - 1])

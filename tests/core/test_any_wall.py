@@ -45,7 +45,8 @@ def metres(least, most):
 def walls(draw):
     """Tables of a wall file; what is drawn need not be legal."""
     brick_length, brick_height = draw(SIZES)
-    length, height = draw(metres(1.0, 4.0)), draw(metres(0.8, 2.4))
+    length = draw(metres(1.0, 4.0))
+    height = draw(metres(0.8, 2.4))
     openings = draw(
         st.lists(
             st.fixed_dictionaries(
@@ -110,7 +111,8 @@ def test_every_joint_resists_rotation(table, placing, splits):
         table | {"brick": table["brick"] | ({"tensile_strength": 2e6} if splits else {})},
         contacts=placing,
     )
-    contacts, course = layout.contacts, layout.bodies.course
+    contacts = layout.contacts
+    course = layout.bodies.course
     along = np.where(contacts.upright, contacts.z, contacts.x)
     in_lintel = (
         (course[contacts.first] < -2) & (course[contacts.second] < -2) & (contacts.first >= 0)
@@ -129,7 +131,9 @@ def test_bodies_do_not_overlap_and_cover_what_is_drawn(table):
     openings: by hand, from the table's numbers, where the outline is a rectangle and no slab runs
     through an opening."""
     layout = laid_out(table)
-    wall, bodies, n = layout.wall, layout.bodies, layout.n_below_caps
+    wall = layout.wall
+    bodies = layout.bodies
+    n = layout.n_below_caps
     x, z, length, height = (getattr(bodies, name)[:n] for name in ("x", "z", "length", "height"))
     apart = np.maximum(
         np.abs(x[:, None] - x) - (length[:, None] + length) / 2,
@@ -165,22 +169,25 @@ def test_the_mass_is_that_of_what_is_drawn(table, top):
     the outline is a rectangle the first three by the table's numbers.  A part of a timber floor may
     lie on no brick."""
     layout = laid_out(table, top=top)
-    wall, bodies = layout.wall, layout.bodies
-    bricks, lintels = (
-        slice(layout.n_bricks),
-        slice(layout.n_bricks + len(layout.plan.slabs), layout.n_below_caps),
-    )
-    brick, lintel = wall.brick, wall.lintel
-    section, density = bodies.height[lintels], brick.density
+    wall = layout.wall
+    bodies = layout.bodies
+    bricks = slice(layout.n_bricks)
+    lintels = slice(layout.n_bricks + len(layout.plan.slabs), layout.n_below_caps)
+    brick = wall.brick
+    lintel = wall.lintel
+    section = bodies.height[lintels]
+    density = brick.density
     # of its own height, where it has all courses that it wants
     if lintel.is_body and lintel.kind != "arch":
-        wanted, density = brick.height * lintel.courses(brick), lintel.of("density")
+        wanted = brick.height * lintel.courses(brick)
+        density = lintel.of("density")
         section = np.where(section > wanted - 1e-6, lintel.of("height"), section)
     masonry = (
         brick.density * brick.thickness * np.sum(bodies.length[bricks] * bodies.height[bricks])
     )
     beams = density * brick.thickness * np.sum(bodies.length[lintels] * section)
-    floors, stress = sum(floor.mass for floor in wall.floors), table["precompression"]
+    floors = sum(floor.mass for floor in wall.floors)
+    stress = table["precompression"]
     assert_allclose(
         layout.total_mass,
         masonry + beams + floors + stress * table["length"] * brick.thickness / GRAVITY,
@@ -193,7 +200,8 @@ def test_the_mass_is_that_of_what_is_drawn(table, top):
 def image(table):
     """The table of a wall's mirror image, whose base course begins on the left with what ends it on
     the right."""
-    length, halves = table["length"], round(2 * table["length"] / table["brick"]["length"])
+    length = table["length"]
+    halves = round(2 * table["length"] / table["brick"]["length"])
     other = {"whole": "half", "half": "whole"}[table["base_course"]]
     table = table | {
         "openings": [
@@ -218,8 +226,11 @@ def parts_of(layout, side):
     Points themselves are not compared: a joint of one and a half cells has one or two, and rounding
     decides.
     """
-    bodies, contacts, middle = layout.bodies, layout.contacts, layout.wall.length / 2
-    along, area = side * (bodies.x - middle), contacts.area
+    bodies = layout.bodies
+    contacts = layout.contacts
+    middle = layout.wall.length / 2
+    along = side * (bodies.x - middle)
+    area = contacts.area
     laid = np.column_stack(
         [bodies.z, along, bodies.length, bodies.height, bodies.mass, bodies.inertia]
     )
@@ -284,9 +295,13 @@ def test_bed_joints_cover_what_lies_on_what(table):
     """The length of bed joints is that of the faces that touch, whatever the number of contact
     points on them."""
     layout = laid_out(table)
-    bodies, contacts, n = layout.bodies, layout.contacts, layout.n_below_caps
-    left, right = bodies.x[:n] - bodies.length[:n] / 2, bodies.x[:n] + bodies.length[:n] / 2
-    bottom, top = bodies.z[:n] - bodies.height[:n] / 2, bodies.z[:n] + bodies.height[:n] / 2
+    bodies = layout.bodies
+    contacts = layout.contacts
+    n = layout.n_below_caps
+    left = bodies.x[:n] - bodies.length[:n] / 2
+    right = bodies.x[:n] + bodies.length[:n] / 2
+    bottom = bodies.z[:n] - bodies.height[:n] / 2
+    top = bodies.z[:n] + bodies.height[:n] / 2
     overlap = np.minimum(right[:, None], right) - np.maximum(left[:, None], left)
     touching = (np.abs(top[:, None] - bottom) < 1e-6) & (overlap > 1e-6)
     bed = contacts.kind == BED

@@ -59,7 +59,9 @@ def test_openings_all_over_are_as_high_as_given_and_near_their_place():
     the wall; where both edges by themselves gave that number, they are what they were."""
     rng = np.random.default_rng(1)
     for _ in range(500):
-        course, height, sill = rng.uniform(0.05, 0.3), rng.uniform(0.3, 1.5), rng.uniform(0, 1.2)
+        course = rng.uniform(0.05, 0.3)
+        height = rng.uniform(0.3, 1.5)
+        sill = rng.uniform(0, 1.2)
         try:
             wall = Wall("w", 3.6, 2.8, (Opening(1.2, 1.2, height, sill),), brick=Brick(0.4, course))
         except InputError:  # not a bearing for its lintel
@@ -228,7 +230,8 @@ def below(layout, x):
 def deflection(lintel, span, beyond):
     """Deflection [m] of the middle below the bearings by the beam's weight."""
     width = lintel.width or BRICK.thickness
-    young, density = lintel.of("modulus"), lintel.of("density")
+    young = lintel.of("modulus")
+    density = lintel.of("density")
     load = density * GRAVITY * width * lintel.height
     bending = young * width * lintel.height**3 / 12
     shear = 5 / 6 * young / USUAL[lintel.kind].shear_ratio * width * lintel.height
@@ -281,7 +284,9 @@ class TestPlaces:
         """As many metres of bed joints above and below as the lintel is long, where it has bearing,
         and of head joints as it is high at each end; an arch of 10 bricks has nine joints more."""
         layout = lay_out(wall((replace(DOOR, lintel=lintel),)), ModelOptions(contacts=contacts))
-        (place,), bodies, contact = layout.plan.lintels, layout.bodies, layout.contacts
+        (place,) = layout.plan.lintels
+        bodies = layout.bodies
+        contact = layout.contacts
         parts = np.flatnonzero(bodies.course < 0)
         assert layout.n_below_caps - layout.n_bricks == len(parts) == place.parts
         of = np.isin(contact.first, parts), np.isin(contact.second, parts)
@@ -303,7 +308,8 @@ class TestPlaces:
 
 class TestOptions:
     def test_courses_take_the_place_of_lintels_where_the_option_asks_for_them(self):
-        made, plain = wall((DOOR,)), wall((DOOR,), lintel="courses")
+        made = wall((DOOR,))
+        plain = wall((DOOR,), lintel="courses")
         for option in ("1", "none"):
             one, other = (lay_out(of, ModelOptions(lintel=option)) for of in (made, plain))
             assert np.array_equal(one.contacts.elastic, other.contacts.elastic)
@@ -398,8 +404,10 @@ def test_the_share_of_a_door_by_hand():
     """Above it: 1.8 m of bed joint between two courses, and head joints of 75 mm, seven in the one
     course (whole bricks) and eight in the other (half ones at the ends).  Elastic, within 0.225 and
     1.575 m: 1.35 m of bed joint and the five and six head joints that lie strictly inside."""
-    above, elastic = 1.8 + 15 * 0.075, 1.35 + (5 + 6) * 0.075
-    share, total = share_of(DOOR_WALL), lay_out(DOOR_WALL).total_joint_length
+    above = 1.8 + 15 * 0.075
+    elastic = 1.35 + (5 + 6) * 0.075
+    share = share_of(DOOR_WALL)
+    total = lay_out(DOOR_WALL).total_joint_length
     assert share.above_openings == approx(elastic / above)
     assert share.of_all == approx(elastic / total)
 
@@ -425,7 +433,9 @@ def run(tmp_path_factory):
 
 
 def test_every_summary_tells_the_share(run):
-    share, summary, row = share_of(DOOR_WALL), summarise(run), summary_row(run)
+    share = share_of(DOOR_WALL)
+    summary = summarise(run)
+    row = summary_row(run)
     for table in (summary, row):
         assert (
             table["elastic_joint_share"],
@@ -444,8 +454,10 @@ def test_every_summary_tells_the_share(run):
 
 
 def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
-    layout, loading = lay_out(DOOR_WALL), parsed().loading
-    modes, brickwork_t = natural_modes(layout), 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
+    layout = lay_out(DOOR_WALL)
+    loading = parsed().loading
+    modes = natural_modes(layout)
+    brickwork_t = 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
     lines = "\n".join(wall_lines(layout, loading, modes, 1e-5))
     for words in (
         f"{layout.n_bricks} bricks ({brickwork_t:.3g} t together)",

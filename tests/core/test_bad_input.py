@@ -634,7 +634,8 @@ def test_a_long_crack_is_mapped_as_one_piece_would_be(tmp_path, monkeypatch):
 
 
 def test_a_byte_order_mark_is_no_part_of_a_study_and_another_encoding_is_refused(tmp_path):
-    path, text = tmp_path / "study.toml", f'name = "marked"\n{ONE_RUN}'
+    path = tmp_path / "study.toml"
+    text = f'name = "marked"\n{ONE_RUN}'
     path.write_text("\ufeff" + text, encoding="utf-8")
     assert load_study(path, "reference", REPOSITORY).name == "marked"
     path.write_text(text, encoding="utf-16")
@@ -708,7 +709,8 @@ def test_a_picture_where_the_home_folder_takes_no_cache_is_drawn_without_a_word_
 
 def test_compiled_code_finds_a_place_where_none_can_be_written(tmp_path):
     """The folder beside the sources, the home folder's and numba's own are files."""
-    package, file = tmp_path / "damage", tmp_path / "file"
+    package = tmp_path / "damage"
+    file = tmp_path / "file"
     shutil.copytree(
         REPOSITORY / "damage", package, ignore=shutil.ignore_patterns("__pycache__", "data")
     )

@@ -122,7 +122,8 @@ DIAGONALS = "crack,point,x_m,z_m,width_mm\n" + "".join(
 
 def test_straight_lines_become_stepped_paths(tmp_path, capsys):
     """Piece by piece they would lie on 0.72 m of joints; the paths are longer than the lines."""
-    along, across = tmp_path / "along.csv", tmp_path / "across.csv"
+    along = tmp_path / "along.csv"
+    across = tmp_path / "across.csv"
     along.write_text(CRACK)
     across.write_text(DIAGONALS)
     layout = lay_out(SMALL)

@@ -20,7 +20,8 @@ from damage.wall.layout import lay_out
 from damage.wall.parameters import softening_energies
 
 SMALL = load_wall(REPOSITORY / bits.SMALL)
-LAST_BIT, VISIBLE = 1.0 + 2.0**-52, 1.0 + 1e-5
+LAST_BIT = 1.0 + 2.0**-52
+VISIBLE = 1.0 + 1e-5
 
 
 @pytest.mark.parametrize(
@@ -38,7 +39,8 @@ def test_this_machine_computes_the_published_histories(name):
 
 def test_the_command_says_which_runs_differ(monkeypatch, capsys):
     known = bits.published()
-    found, n = dict(known), len(bits.CASES)
+    found = dict(known)
+    n = len(bits.CASES)
     assert (
         bits.verdict(found, known)
         == f"published histories: {n} of {n} have the same bits on this machine"
@@ -63,7 +65,8 @@ def test_the_command_says_which_runs_differ(monkeypatch, capsys):
 
 def base_of(loading):
     """Acceleration of the base in every step of a run."""
-    settings, layout = RunSettings(loading, ModelOptions(), rest_s=0.0), lay_out(SMALL)
+    settings = RunSettings(loading, ModelOptions(), rest_s=0.0)
+    layout = lay_out(SMALL)
     return base_acceleration(settings, stages(settings, layout, 2e-5, 100), 2e-5)
 
 

@@ -72,7 +72,8 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
         status = 1
         signal.alarm(300)  # it must not be waited for longer
         try:
-            seen, continues = [], run_module.Run._continues
+            seen = []
+            continues = run_module.Run._continues
 
             def counted(run):
                 seen.append(run)
@@ -91,8 +92,11 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
 @pytest.mark.parametrize("name", RUNS)
 def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
     """A run is killed in the static stage, and interrupted in the middle of each stage."""
-    words, whole, cut = words_of(RUNS[name], tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
-    stages, continues = [], run_module.Run._continues
+    words = words_of(RUNS[name], tmp_path)
+    whole = tmp_path / "whole.h5"
+    cut = tmp_path / "cut.h5"
+    stages = []
+    continues = run_module.Run._continues
     with monkeypatch.context() as patch:  # here: the children find all compiled
         patch.setattr(
             run_module.Run, "_continues", lambda run: stages.append(run.stage) or continues(run)
@@ -100,7 +104,9 @@ def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
         assert run_reference(in_words([*words, "--out", whole])) == 0
     assert not checkpoint_path(whole).exists()
     assert in_a_child([*words, OFTEN, "--out", cut], looks=4) == -9
-    words, here = (*words, "--resume", cut), 3  # the look that wrote a checkpoint
+    # the look that wrote a checkpoint
+    words = (*words, "--resume", cut)
+    here = 3
     looks = enumerate(stages, 1)
     for _, looks_of_stage in groupby(looks, lambda look: look[1]):
         numbers = [number for number, _ in looks_of_stage]
@@ -110,7 +116,8 @@ def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
         here = there
     assert in_a_child(words) == 0
     assert differences(values(whole), values(cut)) == [] and not checkpoint_path(cut).exists()
-    first, second = read_history(whole), read_history(cut)
+    first = read_history(whole)
+    second = read_history(cut)
     assert first.parameters == second.parameters and second.complete and len(second.series) > 20
     assert (second.parameters["repeats"] > 0) == (name == "scaled")
 
@@ -166,8 +173,10 @@ def test_a_run_of_the_other_solver_is_one_line(interrupted):
 
 def test_a_damaged_checkpoint_is_one_line(interrupted, tmp_path, capsys):
     shutil.copytree(interrupted, tmp_path, dirs_exist_ok=True)
-    path, cut = tmp_path / "cut.checkpoint", tmp_path / "cut.h5"
-    content, resume = path.read_bytes(), [*SHAKE, "--resume", cut]
+    path = tmp_path / "cut.checkpoint"
+    cut = tmp_path / "cut.h5"
+    content = path.read_bytes()
+    resume = [*SHAKE, "--resume", cut]
     path.write_bytes(content[:1000] + bytes([content[1000] ^ 1]) + content[1001:])
     assert "is no whole checkpoint: its digest is another one" in refused(tmp_path, resume, capsys)
     path.unlink()
@@ -192,7 +201,9 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(tmp_path, yade_command):
     wall amplifies."""
     words = (SMALL, "--harmonic 0.06 0.6 --cycles 2 --rest 0.06 --no-pictures")
     yade_command(*SHORT, *words, "--out", tmp_path / "whole.h5", status=0)
-    whole, cut, place = read_history(tmp_path / "whole.h5"), tmp_path / "cut.h5", "--out"
+    whole = read_history(tmp_path / "whole.h5")
+    cut = tmp_path / "cut.h5"
+    place = "--out"
     kills = 10
     for number in range(kills):
         kind, status = (
@@ -207,7 +218,8 @@ def test_kills_of_a_run_in_yade_leave_what_it_computes(tmp_path, yade_command):
     )
     done = yade_command(*SHORT, *words, "--resume", cut, status=0)
     assert "YADE executes the names of the engines" in done.stderr, done.stderr
-    now, names = read_history(cut), whole.series.select_dtypes("number").columns
+    now = read_history(cut)
+    names = whole.series.select_dtypes("number").columns
     before, after = (history.series[names].fillna(0.0).to_numpy() for history in (whole, now))
     loose = (whole.opening_m > LOOSE).any(axis=1)
     alike = next(iter(np.flatnonzero((after != before).any(axis=1))), len(before))
@@ -237,7 +249,9 @@ def test_what_acts_and_what_softens_continues_in_yade(
     """What acts on a brick that is held, or of a spreader beam, is added between two steps, and is
     in the checkpoint, too; so are bonds, and cuts through bricks, that soften: this many or more,
     or none."""
-    words, whole, cut = words_of(words, tmp_path), tmp_path / "whole.h5", tmp_path / "cut.h5"
+    words = words_of(words, tmp_path)
+    whole = tmp_path / "whole.h5"
+    cut = tmp_path / "cut.h5"
     yade_command(*SHORT, *words, "--out", whole, status=0)
     killed = f"KILLED_AT={time_s}"
     yade_command(*SHORT, killed, *words, "--out", cut, status=-signal.SIGKILL)

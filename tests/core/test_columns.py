@@ -28,7 +28,8 @@ def test_a_summary_has_these_columns_and_no_others(still_history):
     assert sorted(row) == sorted(known) and len(known) == len(set(known)) > 60
 
 
-ONE, TWO = {"length_m": Column("m", "")}, {"first_s, last_s": Column("s", "")}
+ONE = {"length_m": Column("m", "")}
+TWO = {"first_s, last_s": Column("s", "")}
 
 
 def test_a_measure_gives_its_values_by_name():

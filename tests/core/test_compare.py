@@ -121,7 +121,8 @@ def test_scores_by_hand():
 
 
 def test_fractions_are_shares_of_the_joint_length_in_a_window(left):
-    places, broken = places_of(left), cracked(left, "broken")
+    places = places_of(left)
+    broken = cracked(left, "broken")
     assert_allclose(places.fractions(np.ones(len(X), bool)), 1.0)
     share = places.fractions(broken).reshape(48, 20)  # windows every 0.075 m
     assert share[2, 2] == 1.0 and share[24, 10] == 0.0

@@ -63,7 +63,9 @@ def test_a_stepped_crack_is_one_and_an_intact_joint_parts_it(tmp_path):
     layout = small_layout()
     contacts = layout.contacts
     head = int(np.flatnonzero(contacts.kind[: layout.n_joints] == HEAD)[4])
-    x, z, half = contacts.x[head], contacts.z[head], layout.wall.brick.height / 2
+    x = contacts.x[head]
+    z = contacts.z[head]
+    half = layout.wall.brick.height / 2
     beside = [
         int(j)
         for j in np.flatnonzero(

@@ -67,7 +67,8 @@ class TestParameters:
 class TestCuts:
     def test_halves_keep_mass_moment_and_inertia_of_their_bricks(self):
         wall = Wall("small", 0.9, 0.45)
-        whole, split = lay_out(wall).bodies, lay_out(replace(wall, brick=SPLITTING)).bodies
+        whole = lay_out(wall).bodies
+        split = lay_out(replace(wall, brick=SPLITTING)).bodies
         for weight in (np.ones_like, lambda x: x, np.square):
             sums = [np.sum(of.mass * weight(of.x)) for of in (whole, split)]
             if weight is np.square:
@@ -80,7 +81,8 @@ class TestCuts:
 
     def test_whole_bricks_alone_are_cut(self):
         wall = Wall("window", 1.53, 0.975, (Opening(0.63, 0.4, 0.6),), lintel="courses")
-        whole, split = lay_out(wall), lay_out(replace(wall, brick=SPLITTING))
+        whole = lay_out(wall)
+        split = lay_out(replace(wall, brick=SPLITTING))
         contacts = split.contacts
         cuts = contacts.kind == CUT
         n_whole = np.isclose(whole.bodies.length[: whole.n_bricks], SPLITTING.length).sum()
@@ -95,7 +97,8 @@ class TestCuts:
 
     def test_the_index_and_its_length_are_of_joints_alone(self):
         wall = Wall("small", 0.9, 0.45)
-        whole, split = lay_out(wall), lay_out(replace(wall, brick=SPLITTING))
+        whole = lay_out(wall)
+        split = lay_out(replace(wall, brick=SPLITTING))
         assert split.total_joint_length == approx(whole.total_joint_length)
         assert split.n_joints - whole.n_joints == CUT_POINTS * 21
 
@@ -126,7 +129,8 @@ class TestDiagonalTension:
         wall.adaptive_damping = 1.0
         wall.start(np.zeros((0, 2)))
         wall.run(round(0.1 / wall.time_step))
-        contacts, weight = layout.contacts, SPLITTING.density * 9.81 * layout.wall.height / 2
+        contacts = layout.contacts
+        weight = SPLITTING.density * 9.81 * layout.wall.height / 2
         course = layout.bodies.course[contacts.first]
         cuts = (contacts.kind == CUT) & (course == 2) & (abs(contacts.x - 0.45) < 0.2)
         found = wall.system.strengths["cohesion"][cuts] / contacts.area[cuts]

@@ -37,8 +37,11 @@ from damage.wall.layout import lay_out
 from damage.wall.strain import MASS_FACTOR, brick_modes, elasticity_of, modes_of
 from verification.triangles import Mesh
 
-BRICK, JOINT = Brick(), Joint()
-LENGTH, HEIGHT, THICKNESS = BRICK.length, BRICK.height, BRICK.thickness
+BRICK = Brick()
+JOINT = Joint()
+LENGTH = BRICK.length
+HEIGHT = BRICK.height
+THICKNESS = BRICK.thickness
 ELASTIC = {"tensile_strength": 1e12, "cohesion": 1e12}
 DEFORMABLE = {"bricks": "deformable", "contacts": "gauss", "lintel": "none"}
 
@@ -88,10 +91,8 @@ def test_modes_solve_the_eigenproblem_by_gauss_points(length, order):
     modes = brick_modes(BRICK, length, order)
     place, weight = np.polynomial.legendre.leggauss(5)
     x, z = (axis.ravel() for axis in np.meshgrid(place * length / 2, place * HEIGHT / 2))
-    volume, stress = (
-        np.outer(weight, weight).ravel() / 4 * length * HEIGHT * THICKNESS,
-        modes.stress(x, z),
-    )
+    volume = np.outer(weight, weight).ravel() / 4 * length * HEIGHT * THICKNESS
+    stress = modes.stress(x, z)
     strain = np.einsum("ij,pjm->pim", np.linalg.inv(modes.elasticity), stress)
     squares = np.einsum("p,pim,pin->mn", volume, stress, strain)
     assert_allclose(squares, np.diag(modes.frequency**2), atol=1e-13 * modes.frequency[-1] ** 2)
@@ -120,8 +121,10 @@ def test_elasticity_in_plane_stress():
 
 
 def test_stresses_are_those_of_the_displacements():
-    modes, step = brick_modes(BRICK, LENGTH, 3), 1e-6
-    x, z = np.array([0.03, -0.1]), np.array([0.02, -0.03])
+    modes = brick_modes(BRICK, LENGTH, 3)
+    step = 1e-6
+    x = np.array([0.03, -0.1])
+    z = np.array([0.02, -0.03])
     dx, dz = (
         (
             modes.displacement(x + i * step, z + j * step)
@@ -144,7 +147,8 @@ def finite_elements(n_x, n_z, number):
 
     def line(n, size):
         """Integrals of N N, N' N' and N' N along an edge of n elements."""
-        found, half = np.zeros((3, 2 * n + 1, 2 * n + 1)), size / n / 2
+        found = np.zeros((3, 2 * n + 1, 2 * n + 1))
+        half = size / n / 2
         for first in range(0, 2 * n, 2):
             part = slice(first, first + 3)
             for matrix, (a, b, scale) in zip(
@@ -153,7 +157,8 @@ def finite_elements(n_x, n_z, number):
                 matrix[part, part] += scale * (weight * a) @ b.T
         return found
 
-    (mass_x, stiff_x, mixed_x), (mass_z, stiff_z, mixed_z) = line(n_x, LENGTH), line(n_z, HEIGHT)
+    (mass_x, stiff_x, mixed_x) = line(n_x, LENGTH)
+    (mass_z, stiff_z, mixed_z) = line(n_z, HEIGHT)
     (c11, c12, _), (_, c22, _), (_, _, shear) = elasticity_of(BRICK)
     beside = c12 * np.kron(mixed_x, mixed_z.T) + shear * np.kron(mixed_x.T, mixed_z)
     stiffness = np.block(
@@ -201,15 +206,18 @@ def test_strain_modes_converge_by_their_order():
 def test_patch():
     """Uniform pressure on top of a wall on a base without friction: every stress in every brick is
     that pressure."""
-    pressure, layout = 1e6, lay(4, 6, Joint(**ELASTIC))
+    pressure = 1e6
+    layout = lay(4, 6, Joint(**ELASTIC))
     contacts = layout.contacts
     base = np.flatnonzero(contacts.first < 0)
     shear = contacts.shear_stiffness.copy()
     shear[base[1:]] = 0.0  # one point holds the wall
     layout = replace(layout, contacts=replace(contacts, shear_stiffness=shear))
-    load, (place, weight) = forces(layout), np.polynomial.legendre.leggauss(4)
+    load = forces(layout)
+    (place, weight) = np.polynomial.legendre.leggauss(4)
     for brick in np.flatnonzero(layout.bodies.course == 5):
-        length, modes = layout.bodies.length[brick], modes_of(layout, brick)
+        length = layout.bodies.length[brick]
+        modes = modes_of(layout, brick)
         moved = modes.displacement(place * length / 2, np.full(4, HEIGHT / 2))
         load[brick, 1] = -pressure * length * THICKNESS
         load[brick, RIGID:] = -pressure * length * THICKNESS * weight / 2 @ moved[:, 1]
@@ -227,21 +235,19 @@ def of_timoshenko(layout):
     """Deflections of a cantilever two bricks wide by a unit force at its top, along x: of the
     layout, and of the beam, by bending and by shear, h^3 / 3 E I and h / (5/6 G A), moduli of
     bricks in series with the bed joints [m/N]."""
-    wall, n = layout.wall, RIGID + (layout.strain.n_modes if layout.strain else 0)
-    brick, joint, top = (
-        wall.brick,
-        wall.joint,
-        np.flatnonzero(layout.bodies.course == wall.courses - 1),
-    )
-    share, load = layout.bodies.length[top] / (2 * LENGTH), np.zeros((len(layout.bodies), n))
+    wall = layout.wall
+    n = RIGID + (layout.strain.n_modes if layout.strain else 0)
+    brick = wall.brick
+    joint = wall.joint
+    top = np.flatnonzero(layout.bodies.course == wall.courses - 1)
+    share = layout.bodies.length[top] / (2 * LENGTH)
+    load = np.zeros((len(layout.bodies), n))
     load[top, 0] = share
     young = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * HEIGHT))
     shear = 1 / (1 / brick.shear_modulus + 1 / (joint.shear_stiffness * HEIGHT))
-    height, area, inertia = (
-        (wall.courses - 0.5) * HEIGHT,
-        2 * LENGTH * THICKNESS,
-        THICKNESS * (2 * LENGTH) ** 3 / 12,
-    )
+    height = (wall.courses - 0.5) * HEIGHT
+    area = 2 * LENGTH * THICKNESS
+    inertia = THICKNESS * (2 * LENGTH) ** 3 / 12
     return (
         displacement(layout, load)[top, 0] @ share,
         height**3 / (3 * young * inertia),
@@ -349,7 +355,8 @@ def test_damping_of_static_solutions_acts_on_strain_modes(damping):
     strain = solver.system.velocity[:-1, RIGID:]
     strain[:] = np.where(solver.system.mass[:-1, RIGID:] > 0, 1e-5, 0.0)
     solver.run(1)
-    began, kick = total_energy(solver), solver.kinetic_energy()
+    began = total_energy(solver)
+    kick = solver.kinetic_energy()
     solver.damp(**damping)
     solver.run(6000)
     assert np.abs(strain).max() < 1e-3 * 1e-5
@@ -372,7 +379,8 @@ def test_a_run_has_a_balanced_history(run_of, tmp_path, monkeypatch):
 def check_stresses(history):
     """At the start the lowest course carries the weight of all that is above its middle, in the
     mean over its bricks; and the top course's stresses at rest are those of the precompression."""
-    bodies, first = history.bodies, history.stress_pa[0].astype(float)
+    bodies = history.bodies
+    first = history.stress_pa[0].astype(float)
     area = bodies["length_m"] * THICKNESS
     for course in (0, 7):
         these = (bodies["course"] == course).to_numpy()
@@ -398,10 +406,8 @@ def test_choices_that_do_not_suit_deformable_bricks_are_warned_of():
     plain = Wall("w", 2.0, 1.0)
     soft = replace(plain, joint=Joint(mode_i_fracture_energy=12, mode_ii_fracture_energy=120))
     assert deformable_warnings(suited, soft) == deformable_warnings(ModelOptions(), plain) == []
-    (brittle,), (corners,) = (
-        deformable_warnings(suited, plain),
-        deformable_warnings(replace(suited, contacts="corners"), soft),
-    )
+    (brittle,) = deformable_warnings(suited, plain)
+    (corners,) = deformable_warnings(replace(suited, contacts="corners"), soft)
     assert "fracture energies" in brittle and "--contacts gauss" in corners
     splitting = replace(soft, brick=Brick(tensile_strength=2e6))
     (whole,) = deformable_warnings(suited, splitting)

@@ -105,7 +105,9 @@ def modules_that_change(monkeypatch, tmp_path, digest_of):
     table.parent.mkdir(parents=True)
     shutil.copy(HERE / RANGES, table)
     monkeypatch.setattr("damage.provenance.HERE", tmp_path / "damage")
-    usual, found, first = digest_of(), set(), {}
+    usual = digest_of()
+    found = set()
+    first = {}
     for path in sorted(tmp_path.rglob("*.py")):
         first.setdefault(path.parent, path)
     for path in {table, *first.values(), *(tmp_path / f"damage/{name}.py" for name in NAMED)}:
@@ -181,7 +183,9 @@ def test_the_digest_of_measures_is_of_their_folders(tmp_path, monkeypatch):
 def test_a_digest_follows_names_and_defaults_and_not_what_is_said_of_them(
     module, said, decides, tmp_path
 ):
-    text, copy, code = (REPOSITORY / "damage" / module).read_text(), tmp_path / "copy.py", []
+    text = (REPOSITORY / "damage" / module).read_text()
+    copy = tmp_path / "copy.py"
+    code = []
     for version in (text, text.replace(*said), text.replace(*decides)):
         copy.write_text(version)
         code.append(code_of(copy))

@@ -28,19 +28,25 @@ def pi():
 
 def _series(x, sign):
     """x + sign x^3 / 3 + x^5 / 5 + ..."""
-    total, term, k = Decimal(0), x, 1
+    total = Decimal(0)
+    term = x
+    k = 1
     while abs(term) > abs(x) * Decimal(10) ** -DIGITS:
         total += term / k
-        term, k = term * x * x * sign, k + 2
+        term = term * x * x * sign
+        k = k + 2
     return total
 
 
 def _sine(x):
     """Sine of a small x by its Taylor series."""
-    total, term, k = Decimal(0), x, 1
+    total = Decimal(0)
+    term = x
+    k = 1
     while abs(term) > abs(x) * Decimal(10) ** -DIGITS:
         total += term
-        term, k = -term * x * x / ((k + 1) * (k + 2)), k + 2
+        term = -term * x * x / ((k + 1) * (k + 2))
+        k = k + 2
     return total
 
 
@@ -148,7 +154,8 @@ def test_errors_are_as_stated(function):
 
 
 def test_powers_are_as_stated():
-    base, exponent = 10.0 ** RANDOM.uniform(-20, 20, 1000), RANDOM.uniform(-10, 10, 1000)
+    base = 10.0 ** RANDOM.uniform(-20, 20, 1000)
+    exponent = RANDOM.uniform(-10, 10, 1000)
     with localcontext() as context:
         context.prec = DIGITS
         for x, y, value in zip(base.tolist(), exponent.tolist(), power(base, exponent)):
@@ -297,7 +304,8 @@ SEEDS = [0, 1, 2**31, [7, 12], [0, 4000, 1]]
 def test_they_are_those_of_numpy_in_any_order(seed):
     """As numpy 1.17 to 2.4 has them; a later numpy may change its own, and then leaves this test,
     not the draws."""
-    ours, theirs = Draws(seed), np.random.default_rng(seed)
+    ours = Draws(seed)
+    theirs = np.random.default_rng(seed)
     for n in (1, 0, 2, 3, 501, 6000):
         assert ours.normal(n) == pytest.approx(theirs.standard_normal(n), abs=1e-12)
         assert np.array_equal(ours.uniform(n), theirs.random(n))
@@ -322,7 +330,8 @@ def test_known_bits_of_the_wedges_and_the_tail():
 
 
 def test_parts_are_the_whole():
-    whole, parts = Draws(5), Draws(5)
+    whole = Draws(5)
+    parts = Draws(5)
     assert np.array_equal(
         whole.normal(9000), np.concatenate([parts.normal(n) for n in (1, 2, 97, 900, 8000)])
     )

@@ -36,7 +36,8 @@ from damage.wall.geometry import body_corners, body_table, joint_gaps
 from damage.wall.layout import lay_out
 from paper.falls import depth
 
-LENGTH, HEIGHT = 0.1125, 0.075
+LENGTH = 0.1125
+HEIGHT = 0.075
 DRY = {"tensile_strength": 0.0, "cohesion": 0.0}
 FRICTION_COEFFICIENT = np.tan(Joint().friction_angle)
 
@@ -88,7 +89,8 @@ def test_a_brick_that_is_pushed_off_falls_freely_from_where_the_faces_end(speed)
     wall.system.inverse_mass[0] = wall.system.velocity[0] = 0.0
     wall.hold(np.array([1]), rotation=True)
     wall.push(speed)
-    began, start = total_energy(wall), wall.displacement[1]
+    began = total_energy(wall)
+    start = wall.displacement[1]
     steps = int(np.ceil((LENGTH - np.sign(speed) * start[X]) / (wall.time_step * abs(speed))))
     wall.run(steps - 1)
     assert ended(wall) == FAILED and wall.force[1, Z] == approx(
@@ -132,9 +134,11 @@ def test_the_energy_balance_is_closed_through_the_end(kind):
     ] = 0.0
     shove(wall, 3.0)
     wall.run(10)  # a brittle bond breaks: what it takes depends on the step
-    began, kinetic = total_energy(wall), wall.kinetic_energy()
+    began = total_energy(wall)
+    kinetic = wall.kinetic_energy()
     run_to_the_end(wall)
-    stored, taken = wall.elastic_energy(), wall.energy[FRICTION]
+    stored = wall.elastic_energy()
+    taken = wall.energy[FRICTION]
     wall.run(1)
     assert ended(wall) == ENDED
     assert wall.elastic_energy() < stored and wall.energy[FRICTION] > taken
@@ -190,7 +194,8 @@ DIAMETER = 2 * 0.01 * 0.225
 
 @pytest.mark.parametrize("action", ["shaken", "damped by stiffness", "pushed to and fro"])
 def test_a_wall_in_which_no_joint_ends_has_the_same_bits(action):
-    wall, other = make("brittle"), make("brittle", new_contacts=True)
+    wall = make("brittle")
+    other = make("brittle", new_contacts=True)
     wall.system.interfaces[:] = other.system.interfaces  # the ends of the joints on supports
     for one, two in zip(act(wall, **ACTIONS[action]), act(other, **ACTIONS[action])):
         assert one == two
@@ -208,7 +213,8 @@ def test_a_brick_that_is_lifted_off_and_let_fall_lands_on_the_other():
         wall.run(2)
         assert ended(wall) == state
     wall.velocity = np.zeros((2, 3))
-    start, began = wall.displacement[1, Z], wall.step
+    start = wall.displacement[1, Z]
+    began = wall.step
     while wall.loose.energy[STORED] == 0.0:
         wall.run(1)
     fallen = start - wall.displacement[1, Z]
@@ -257,7 +263,8 @@ def test_the_hand_over_passes_on_what_the_joint_has_stored(joint):
     # L/4 - r from the point to the corner of the core
     assert angle == approx(0.087, rel=0.02)
     # so that it does not move in the next step
-    wall.velocity, wall.system.inverse_mass[1] = 0.0, held
+    wall.velocity = 0.0
+    wall.system.inverse_mass[1] = held
     stored = float(wall.sample_now().stored[0, wall.layout.contacts.first >= 0].sum())
     friction = wall.energy[FRICTION]
     wall.run(1)
@@ -274,7 +281,8 @@ def test_a_brick_that_slides_over_its_length_on_the_ground_keeps_on_sliding():
     wall.system.inverse_mass[1] = wall.system.velocity[1] = 0.0  # the upper one is out of the way
     wall.displacement = [[0, 0, 0], [0, 1.0, 0]]
     wall.run(2000)
-    wall.system.place[0, X], wall.system.velocity[0, X] = 0.0, 2.0
+    wall.system.place[0, X] = 0.0
+    wall.system.velocity[0, X] = 2.0
     speed = []
     while wall.displacement[0, X] < 1.6 * LENGTH:
         wall.run(20)
@@ -298,7 +306,9 @@ def test_a_spandrel_without_a_lintel_falls_and_rests():
     """Its centres fall from 0.675 m with up to sqrt(2 g h) = 3.6 m/s.  No energy is created, no
     core lies in another, and the rectangles themselves, of all pairs, overlap by less than their
     rounded corners."""
-    wall, energies, speeds = fallen_wall(), [], []
+    wall = fallen_wall()
+    energies = []
+    speeds = []
     for _ in range(100):
         before = wall.displacement
         wall.run(round(0.02 / wall.time_step))
@@ -317,7 +327,8 @@ def test_a_spandrel_without_a_lintel_falls_and_rests():
     assert np.all(np.diff(energies[:, 0]) < 0.01 * released)
     assert np.abs(energies.sum(axis=1)).max() < 0.03 * released
     places = body_corners(body_table(wall.layout), wall.displacement)
-    low, high = places.min(axis=1), places.max(axis=1)
+    low = places.min(axis=1)
+    high = places.max(axis=1)
     pairs = [
         (a, b)
         for a in range(len(places))
@@ -395,7 +406,8 @@ def loose_bricks(length=0.225, height=HEIGHT, courses=1, friction=0.6, damping=0
 
 
 def place(solver, displacement):
-    solver.displacement, solver.velocity = displacement, 0.0
+    solver.displacement = displacement
+    solver.velocity = 0.0
     solver.energy[:] = 0.0
 
 
@@ -410,7 +422,8 @@ def test_a_brick_that_bounces_without_friction_keeps_its_energy():
     place(brick, [[0.0, 0.6, 0.5]])
     brick.velocity = [[0.0, 0.0, 3.0]]
     brick.run(1)
-    start, worst = total_energy(brick), 0.0
+    start = total_energy(brick)
+    worst = 0.0
     for _ in range(100):
         run_for(brick, 0.02)
         worst = max(worst, abs(total_energy(brick) / start - 1))
@@ -418,14 +431,16 @@ def test_a_brick_that_bounces_without_friction_keeps_its_energy():
     assert brick.displacement[0, X] == approx(0.0, abs=1e-3) and not brick.energy[1:].any()
 
 
-WIDTH, TALL = 0.1, 0.4
+WIDTH = 0.1
+TALL = 0.4
 CRITICAL = np.arctan(WIDTH / TALL)
 
 
 def arm_of(angle, radius):
     """From the centre of the arc of a block's lower right corner to that of the block, turned by an
     angle [m, m]."""
-    x, z = -(WIDTH / 2 - radius), TALL / 2 - radius
+    x = -(WIDTH / 2 - radius)
+    z = TALL / 2 - radius
     return np.cos(angle) * x + np.sin(angle) * z, np.cos(angle) * z - np.sin(angle) * x
 
 
@@ -451,7 +466,8 @@ def test_a_rocking_block_has_the_exact_quarter_period(share):
     With t = t0 - u^2 the quarter period is the integral of 2 u / w."""
     start = share * CRITICAL
     block = rocking_block(start, damping=0.0)
-    began, radius = block.step, block.loose.touch.radius
+    began = block.step
+    radius = block.loose.touch.radius
     while block.displacement[0, ROTATION] < 0 and block.step - began < 400_000:
         block.run(10)
     assert (block.step - began) * block.time_step == approx(
@@ -461,7 +477,8 @@ def test_a_rocking_block_has_the_exact_quarter_period(share):
 
 def quarter_period(start, radius):
     x, z = arm_of(start, radius)
-    arm, angle = np.hypot(x, z), np.arctan2(-x, z)
+    arm = np.hypot(x, z)
+    angle = np.arctan2(-x, z)
 
     def slowness(u):
         inertia = (
@@ -483,7 +500,8 @@ def test_a_block_returns_or_topples_on_either_side_of_its_critical_angle(share, 
     side."""
     block = rocking_block(share * CRITICAL, damping=0.5)
     run_for(block, 3.0)
-    turned, centre = -block.displacement[0, ROTATION], TALL / 2 + block.displacement[0, Z]
+    turned = -block.displacement[0, ROTATION]
+    centre = TALL / 2 + block.displacement[0, Z]
     assert turned == approx(np.pi / 2 if topples else 0.0, abs=0.3 * CRITICAL)
     assert centre == approx((WIDTH if topples else TALL) / 2, abs=0.005)
 
@@ -493,7 +511,8 @@ def test_a_stack_stands_without_drifting():
     moves."""
     stack = loose_bricks(courses=4)
     run_for(stack, 1.0)
-    start, weight = stack.displacement, GRAVITY * stack.layout.total_mass
+    start = stack.displacement
+    weight = GRAVITY * stack.layout.total_mass
     assert stack.support_force[:, 1].sum() == approx(-weight, rel=1e-5)
     run_for(stack, 2.0)
     assert np.abs(stack.displacement - start).max() < 1e-9 and stack.loose.counts[INSIDE] == 0

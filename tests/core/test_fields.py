@@ -132,10 +132,8 @@ def test_an_option_is_called_as_it_is_typed():
 
 
 def test_the_schema_of_a_wall_has_what_its_fields_say():
-    joint, floor = (
-        wall_schema()["properties"]["joint"],
-        wall_schema()["properties"]["floors"]["items"],
-    )
+    joint = wall_schema()["properties"]["joint"]
+    floor = wall_schema()["properties"]["floors"]["items"]
     assert joint["properties"]["mode_i_fracture_energy"] == {
         "anyOf": [{"type": "number"}, {"const": "rule"}]
     }

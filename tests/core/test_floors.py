@@ -25,8 +25,10 @@ from verification.elastic import running_bond
 from verification.limit_analysis import kinematic_matrix
 
 BRICK = Brick(length=0.2, height=0.1, thickness=0.1, density=2000.0)
-TIMBER, SLAB = Floor(1.0, 800.0, 0.4, 1.6), Floor(2.0, 1500.0, kind="concrete", depth=0.2)
-DOOR, LOW_DOOR = (Opening(0.8, 0.6, 1.6),), (Opening(0.8, 0.6, 0.7),)
+TIMBER = Floor(1.0, 800.0, 0.4, 1.6)
+SLAB = Floor(2.0, 1500.0, kind="concrete", depth=0.2)
+DOOR = (Opening(0.8, 0.6, 1.6),)
+LOW_DOOR = (Opening(0.8, 0.6, 0.7),)
 HIGHER_DOOR = (Opening(0.8, 0.6, 0.8),)
 
 
@@ -86,7 +88,8 @@ def test_a_timber_floor_is_mass_on_the_course_below_it():
     more = laden.bodies.mass - bare.bodies.mass
     assert_allclose(more.sum(), 800.0)
     on = bare.bodies.course == 9
-    left, right = bare.bodies.x - bare.bodies.length / 2, bare.bodies.x + bare.bodies.length / 2
+    left = bare.bodies.x - bare.bodies.length / 2
+    right = bare.bodies.x + bare.bodies.length / 2
     covered = np.maximum(np.minimum(right, 1.6) - np.maximum(left, 0.4), 0.0) * on
     assert_allclose(more, 800.0 * covered / 1.2, atol=1e-9)  # as long a half of a brick at each end
     assert_allclose(
@@ -129,8 +132,12 @@ def test_two_storeys_have_the_periods_of_a_shear_cantilever():
     """Light storeys ten times as long as high, between heavy slabs: two masses on two springs k = G
     A / h, G of the running bond (verification/elastic.py), h with all twelve bed joints of a storey
     of eleven courses."""
-    length, storey, mass, depth = 12.0, 1.2, 40e3, 0.1
-    brick, joint = Brick(length=0.2, height=0.1, thickness=0.1, density=20.0), Joint()
+    length = 12.0
+    storey = 1.2
+    mass = 40e3
+    depth = 0.1
+    brick = Brick(length=0.2, height=0.1, thickness=0.1, density=20.0)
+    joint = Joint()
     _, shear = running_bond(brick, joint)
     spring = shear * length * brick.thickness / storey
     squares, vectors = eigh([[2 * spring, -spring], [-spring, spring]], mass * np.eye(2))
@@ -139,7 +146,8 @@ def test_two_storeys_have_the_periods_of_a_shear_cantilever():
         Wall("w", length, 2 * storey, precompression=0.0, brick=brick, joint=joint, floors=floors),
         ModelOptions(contacts="gauss"),
     )
-    modes, bodies = natural_modes(layout, 8), layout.bodies
+    modes = natural_modes(layout, 8)
+    bodies = layout.bodies
     for square, vector in zip(squares, vectors.T):
         sway = np.interp(
             bodies.z, (0.0, storey - depth / 2, 2 * storey - depth / 2), (0.0, *vector)
@@ -162,8 +170,10 @@ def test_storey_drifts_are_differences_of_the_floors_and_add_up_to_the_wall(run_
     shaken = run_of("house")
     heights, drift = storey_drifts(shaken)
     assert_allclose(heights, [0.0, 0.75, 1.35, shaken.attributes["drift_height_m"]])
-    course, along = shaken.bodies["course"].to_numpy(), shaken.displacement[:, :, 0].astype(float)
-    slab, floor = along[:, course == SLAB_COURSE][:, 0], along[:, course == 13].mean(axis=1)
+    course = shaken.bodies["course"].to_numpy()
+    along = shaken.displacement[:, :, 0].astype(float)
+    slab = along[:, course == SLAB_COURSE][:, 0]
+    floor = along[:, course == 13].mean(axis=1)
     assert np.abs(slab).max() > 1e-6
     assert_allclose(drift[:, 0], slab / 0.75, rtol=1e-6, atol=1e-12)
     assert_allclose(drift[:, 1], (floor - slab) / 0.6, rtol=1e-5, atol=1e-10)
@@ -194,7 +204,8 @@ def test_a_floor_per_area_is_the_mass_of_what_bears_on_the_wall():
 
 # --- a push of several floors by a spreader beam --------------------------------------------------
 
-LEVELS, COURSE = (0.6, 1.2), 0.1
+LEVELS = (0.6, 1.2)
+COURSE = 0.1
 
 
 def column(*masses, **joint):
@@ -209,10 +220,12 @@ def column(*masses, **joint):
 def elastic_by_hand(layout, shares):
     """Displacements of the floors (2,) by a unit of force [m/N]: shear and rotation of the bed
     joints below."""
-    points, heights = layout.contacts, np.array(LEVELS) - COURSE / 2
+    points = layout.contacts
+    heights = np.array(LEVELS) - COURSE / 2
     found = np.zeros(2)
     for z in np.unique(points.z):
-        joint, arms = points.z == z, np.maximum(heights - z, 0)
+        joint = points.z == z
+        arms = np.maximum(heights - z, 0)
         along = np.sum((points.shear_stiffness * points.area)[joint])
         turns = np.sum((points.normal_stiffness * points.area * (points.x - 0.15) ** 2)[joint])
         found += np.sum(shares * (arms > 0)) / along * (arms > 0) + shares @ arms / turns * arms
@@ -226,8 +239,10 @@ def test_an_elastic_cantilever(tmp_path, shares):
     history = run(
         wall, pushover=0.002, speed=1e-4, floor_share=[*zip(LEVELS, shares)], out=tmp_path / "a.h5"
     )
-    shares, heights = np.array(shares), np.array(LEVELS) - COURSE / 2
-    floors, last = history.displacement[-1, [5, 11], 0], history.series.iloc[-1]
+    shares = np.array(shares)
+    heights = np.array(LEVELS) - COURSE / 2
+    floors = history.displacement[-1, [5, 11], 0]
+    last = history.series.iloc[-1]
     by_unit = elastic_by_hand(lay_out(wall), shares)
     assert_allclose(shares @ floors, 2e-5 * shares @ heights, rtol=1e-4)  # what was asked for
     force = shares @ floors / (shares @ by_unit)
@@ -257,12 +272,15 @@ def test_forces_keep_their_ratio_past_the_peak(tmp_path, options):
         out=tmp_path / "a.h5",
         **options,
     )
-    layout, moved = lay_out(wall), history.displacement
+    layout = lay_out(wall)
+    moved = history.displacement
     shares = layout.push_shares(history.loading.floor_shares)
     arms = layout.contacts.x[layout.contacts.z == 0].max() - layout.bodies.x - moved[:, :, 0]
-    weight, lever = GRAVITY * layout.bodies.mass, (layout.bodies.z + moved[:, :, 1]) @ shares
+    weight = GRAVITY * layout.bodies.mass
+    lever = (layout.bodies.z + moved[:, :, 1]) @ shares
     expected = arms @ weight / lever
-    time_s, s = history.snapshot_time_s, history.series
+    time_s = history.snapshot_time_s
+    s = history.series
     force = [s["base_shear_n"][np.abs(s["time_s"] - now) < 0.08].mean() for now in time_s]
     end_s = history.loading.length_s(layout.height_of_push(history.loading.floor_shares))
     rocks = (time_s > 0.5) & (time_s < end_s - 0.2)  # it comes to rest then

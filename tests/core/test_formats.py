@@ -700,7 +700,8 @@ class TestMiniSeed:
     def test_samples_in_a_physical_unit_are_no_counts(self, trace, tmp_path):
         """They were taken for counts: a PGA of 0.11 g was read as 5e-7 g."""
         whole = read_record(self.saved(trace, tmp_path), self.STATION_XML)
-        counts, trace.data = trace.data, trace.data / 213867.4766
+        counts = trace.data
+        trace.data = trace.data / 213867.4766
         del trace.stats.mseed  # with the encoding of whole numbers
         message = one_line_error(read_record, self.saved(trace, tmp_path), self.STATION_XML)
         peak = np.abs(trace.data).argmax()

@@ -156,11 +156,9 @@ class Run:
     the mirror image; level: factor on the pulse."""
 
     def __init__(self, case, wall, side=1, level=1.0):
-        self.layout, self.side, self.middle = (
-            lay_out(wall, ModelOptions(**case.options)),
-            side,
-            wall.length / 2,
-        )
+        self.layout = lay_out(wall, ModelOptions(**case.options))
+        self.side = side
+        self.middle = wall.length / 2
         settings = RunSettings(FreeVibration(), self.layout.options, new_contacts=case.new_contacts)
         self.solver = BACKEND.make(
             self.layout, 0.3 * natural_modes(self.layout, 1).critical_time_step_s, settings
@@ -172,12 +170,15 @@ class Run:
         pulse = level * case.peak * np.sin(np.pi * time_s / case.pulse_s)
         self.base = np.column_stack([side * pulse, 0.5 * pulse])
         self.solver.start(self.base)
-        bodies, contacts, velocity = self.layout.bodies, self.layout.contacts, self.solver.velocity
+        bodies = self.layout.bodies
+        contacts = self.layout.contacts
+        velocity = self.solver.velocity
         velocity[bodies.z > bodies.z.max() - 1e-6, 0] = side * case.thrown
         self.solver.velocity = velocity
         along = side * (bodies.x - self.middle)
         both = np.where(contacts.first < 0, 0.0, along[contacts.first]) + along[contacts.second]
-        self.bodies, part = in_order(along, bodies.z), slice(self.layout.n_joints)
+        self.bodies = in_order(along, bodies.z)
+        part = slice(self.layout.n_joints)
         # corners of up to four interfaces coincide
         self.joints = in_order(
             *(
@@ -211,7 +212,9 @@ class Run:
         """
         solver = self.solver
         solver.run(self.stretch - sum(LAST))
-        place, force, pushed = [], [], [GRAVITY * self.layout.total_mass]
+        place = []
+        force = []
+        pushed = [GRAVITY * self.layout.total_mass]
         for count in LAST:
             solver.run(count)
             place.append(solver.displacement)
@@ -232,10 +235,8 @@ class Run:
     def acting(self, place, push, base):
         """Forces on the wall along x and z and their moment, (3,) [N, N, N m]; place: (n_bodies,
         3); push: of the wall on the supports, (n_supports, 3); base: acceleration (2,) [m/s2]."""
-        bodies, force = (
-            self.layout.bodies,
-            -self.layout.bodies.mass[:, None] * (base + [0.0, GRAVITY]),
-        )
+        bodies = self.layout.bodies
+        force = -self.layout.bodies.mass[:, None] * (base + [0.0, GRAVITY])
         moment = (bodies.x - self.middle + place[:, 0]) @ force[:, 1] - (
             bodies.z + place[:, 1]
         ) @ force[:, 0]
@@ -249,8 +250,10 @@ class Run:
 
     def momenta(self, velocity, place):
         """Momenta along x and z and angular momentum, (3,); velocity, place: (n_bodies, 3)."""
-        bodies, (vx, vz, spin) = self.layout.bodies, velocity.T
-        x, z = bodies.x - self.middle + place[:, 0], bodies.z + place[:, 1]
+        bodies = self.layout.bodies
+        (vx, vz, spin) = velocity.T
+        x = bodies.x - self.middle + place[:, 0]
+        z = bodies.z + place[:, 1]
         return np.array(
             [
                 bodies.mass @ vx,
@@ -271,13 +274,15 @@ def test_mirror_momentum_energy_and_width(name):
     are interpolated while joints fail, 3e-2 where an impact makes interpolation uncertain by as
     much.  Energies close to 3e-5 once the pulse is over; during it the work of a step by the force
     at its beginning is off by 0.1 %."""
-    case, reached = GRID[name], 0
+    case = GRID[name]
+    reached = 0
     wall, mirror = case.walls()
     runs = [Run(case, wall), Run(case, mirror, -1)]
     other = replace(wall, joint=replace(wall.joint, **case.beside))
     batch = [Run(case, other, level=0.5).solver, Run(case, wall).solver]
     solver = runs[0].solver
-    began, largest = total_energy(solver), 0.0
+    began = total_energy(solver)
+    largest = 0.0
     for _ in range(STRETCHES):
         run_together(batch, runs[0].stretch - sum(LAST), *LAST)
         for run in runs:
@@ -301,7 +306,9 @@ def test_mirror_momentum_energy_and_width(name):
 
 # --- orders of convergence in the contact points per half brick -----------------------------------
 
-LENGTH, HEIGHT, WIDTH = 0.4, 0.8, 0.2
+LENGTH = 0.4
+HEIGHT = 0.8
+WIDTH = 0.2
 STIFF_DRY = Joint(12e10, 4e10, tensile_strength=0.0, cohesion=0.0)
 CELLS = 4, 8, 16
 
@@ -343,7 +350,8 @@ def test_the_rocking_period_of_an_intact_base_is_of_second_order_in_the_cells(co
 def tilt(layout, closed):
     """Rotation of the block at rest under a horizontal acceleration by which `closed` of its base's
     length bears, over that of Navier's triangle of stresses, of length c: 2 N / (k c^2)."""
-    weight, c = GRAVITY * layout.total_mass, closed * LENGTH
+    weight = GRAVITY * layout.total_mass
+    c = closed * LENGTH
     solver = solver_of(layout, 0.5)
     solver.damp(adaptive=1.0)
     along = (LENGTH / 2 - c / 3) / (HEIGHT / 2) * GRAVITY

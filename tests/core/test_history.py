@@ -44,10 +44,8 @@ def open_writer(path, **options):
 
 def write_samples(writer, n, first=0):
     for k in range(first, first + n):
-        opening, slip = (
-            np.full((1, LAYOUT.n_joints), 1e-5 * k),
-            np.full((1, LAYOUT.n_joints), -2e-5 * k),
-        )
+        opening = np.full((1, LAYOUT.n_joints), 1e-5 * k)
+        slip = np.full((1, LAYOUT.n_joints), -2e-5 * k)
         state = np.full((1, LAYOUT.n_joints), BROKEN | AT_LIMIT if k > 2 else 0)
         writer.extend(
             "motion",
@@ -195,7 +193,8 @@ def test_what_is_no_history_is_refused(tmp_path, make, complaint):
 def test_another_schema_is_refused(version, remedy, tmp_path):
     path = tmp_path / "a.h5"
     open_writer(path).finish("complete")
-    content, head = path.read_bytes(), f"masonry-damage-history {SCHEMA_VERSION}\n".encode()
+    content = path.read_bytes()
+    head = f"masonry-damage-history {SCHEMA_VERSION}\n".encode()
     assert content.startswith(head)
     path.write_bytes(f"masonry-damage-history {version}\n".encode() + content[len(head) :])
     refused_with(
@@ -207,7 +206,8 @@ def test_another_schema_is_refused(version, remedy, tmp_path):
 
 # --- damaged, changed or cut short ----------------------------------------------------------------
 
-FINISHED, KILLED = "finished", "killed"
+FINISHED = "finished"
+KILLED = "killed"
 
 
 @pytest.fixture(scope="module")
@@ -263,7 +263,8 @@ def altered(path, what):
 
 
 def test_a_finished_history_is_sealed_and_its_head_says_what_made_it(finished):
-    head, history = read_head(finished), read_history(finished)
+    head = read_head(finished)
+    history = read_history(finished)
     assert head.sealed and head.model == f"reference {history.versions['model']}"
     text = finished.read_bytes()[:HEAD_BYTES].decode()
     assert text.startswith(

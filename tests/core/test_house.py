@@ -28,7 +28,8 @@ def test_a_house_of_one_wall_has_the_wall_s_periods_wherever_it_stands():
     plane = lay_out(wall)
     house = lay_out_house(House("one", [Placed(wall, (3, 1), 37)]))
     assert_allclose(house.total_joint_length, plane.total_joint_length, rtol=1e-12)
-    found, expected = natural_modes(house, 8), natural_modes(plane, 2)
+    found = natural_modes(house, 8)
+    expected = natural_modes(plane, 2)
     apart = np.abs(found.period_s[:, np.newaxis] / expected.period_s - 1).min(axis=0)
     assert apart.max() < 1e-6
     assert found.critical_time_step_s <= expected.critical_time_step_s
@@ -36,7 +37,11 @@ def test_a_house_of_one_wall_has_the_wall_s_periods_wherever_it_stands():
 
 def test_a_cantilever_vibrates_out_of_plane_as_a_beam():
     """Timoshenko's beam by Dunkerley's formula: bending, and shear on the whole section."""
-    young, shear, wide, thick, high = 1e9, 4e8, 0.4, 0.2, 2.0
+    young = 1e9
+    shear = 4e8
+    wide = 0.4
+    thick = 0.2
+    high = 2.0
     brick = Brick(wide, 0.1, thick, young_modulus=young, shear_modulus=shear)
     wall = Wall("beam", wide, high, precompression=0, brick=brick, joint=Joint(1e13, 4e12))
     found = natural_modes(lay_out_house(House("beam", [Placed(wall, direction=20)])), 1)
@@ -132,7 +137,8 @@ def _moved(house, change):
 
 
 def test_origins_of_a_map_or_in_another_unit_are_named():
-    house, corner = read_house(BOX), np.array([252341.5, 593107.2])
+    house = read_house(BOX)
+    corner = np.array([252341.5, 593107.2])
     assert "subtract [252341.5, 593107.2] from each" in one_line_error(
         _moved, house, lambda origin: origin + corner
     )
@@ -149,7 +155,8 @@ def test_walls_may_be_given_clockwise():
         replace(right, origin=(1.9, 1.9), direction=-90),
         front,
     )
-    found, expected = lay_out_house(replace(house, walls=clockwise)), lay_out_house(house)
+    found = lay_out_house(replace(house, walls=clockwise))
+    expected = lay_out_house(house)
     assert_allclose(found.total_mass, expected.total_mass)
     assert found.n_joints == expected.n_joints
 
@@ -202,7 +209,8 @@ def test_a_house_is_drawn_in_the_units_that_are_asked_for(error_of, tmp_path):
 
 def test_equal_walls_of_a_house_have_strengths_of_their_own():
     layout = lay_out_house(read_house(BOX), ModelOptions(strength_cov=0.3, strength_seed=1))
-    contacts, wall = layout.contacts, layout.body_wall
+    contacts = layout.contacts
+    wall = layout.body_wall
     inside = (contacts.kind == BED) & (wall[contacts.first] == wall[contacts.second])
     bond = [
         contacts.tensile_strength[
@@ -232,20 +240,23 @@ def test_corners_of_two_masonries_have_the_weaker_properties():
     placed = Placed(walls[0]), Placed(walls[1], (0.1, -0.1), 90)
     layout = lay_out_house(House("two", placed, [Corner(("one", "other"), "toothed")]))
     assert_allclose(layout.total_mass, 0.2 * 0.2 * (1500 * (0.8 + 0.6) + 2000 * (0.6 + 0.8)))
-    contacts, wall = layout.contacts, layout.joint_wall
+    contacts = layout.contacts
+    wall = layout.joint_wall
     for number, cohesion in ((0, 2e5), (1, 1e5), (-1, 1e5)):
         assert set(contacts.cohesion[wall == number]) == {cohesion}
     friction = layout.of_contacts(np.array([0.5, 0.7]))
     assert [set(friction[wall == number]) for number in (0, 1, -1)] == [{0.5}, {0.7}, {0.5}]
     flat = (wall == -1) & (contacts.kind == 0)
-    area, upright = contacts.area, (wall == -1) & ~flat
+    area = contacts.area
+    upright = (wall == -1) & ~flat
     assert_allclose([area[flat].sum(), area[upright].sum()], [0.2 * 0.2, 2 * 0.2 * 0.2])
     brick = walls[0].brick
     assert_allclose(contacts.normal_stiffness[flat], 1 / (1 / 5e9 + 0.2 / brick.young_modulus))
 
 
 def test_bricks_of_two_sizes_or_what_runs_in_the_plane_alone_are_refused():
-    one, other = Wall("one", 0.9, 0.6), Wall("other", 0.9, 0.6, brick=Brick(0.45, 0.075, 0.1025))
+    one = Wall("one", 0.9, 0.6)
+    other = Wall("other", 0.9, 0.6, brick=Brick(0.45, 0.075, 0.1025))
     assert "expected one size" in one_line_error(House, "h", [Placed(one), Placed(other, (0, 3))])
     soft = Wall(
         "soft", 0.9, 0.6, joint=Joint(mode_i_fracture_energy=10, mode_ii_fracture_energy=50)
@@ -284,12 +295,15 @@ def test_a_slab_makes_walls_share_a_push_by_their_stiffness():
 @pytest.mark.parametrize("profile", ["hogging", "sagging", "knick", "tilt"])
 def test_the_ground_below_a_house_follows_its_profile_along_the_heading(profile):
     """Below each brick the chord over the brick, from where the house begins to where it ends."""
-    house, given = replace(read_house(BOX), heading=30), 1 / 500
+    house = replace(read_house(BOX), heading=30)
+    given = 1 / 500
     settlement = Settlement(profile, given)
     layout = lay_out_house(house, ModelOptions(supports="bricks"))
     heading = np.array([np.cos(np.radians(30)), 0.5])
     low, high = outline(house.walls)
-    begins, length = low @ heading, (high - low) @ heading  # both parts of the heading are positive
+    # both parts of the heading are positive
+    begins = low @ heading
+    length = (high - low) @ heading
     end = settlement.displacement([1e3], layout.ground)[0]
     bricks = [layout.contacts.second[layout.contacts.first == GROUND - k] for k in range(len(end))]
     there = np.array([len(one) > 0 for one in bricks])
@@ -301,7 +315,8 @@ def test_the_ground_below_a_house_follows_its_profile_along_the_heading(profile)
     def ground(x):
         return settlement.vertical(x, length)
 
-    before, after = ground(middle - width / 2), ground(middle + width / 2)
+    before = ground(middle - width / 2)
+    after = ground(middle + width / 2)
     assert_allclose(end[there, 1], (before + after) / 2, atol=1e-8)
     assert_allclose(end[there, 2], np.arctan((after - before) / width), atol=1e-8)
     assert np.ptp(end[there, 1]) > 0.4 * given * length / 2

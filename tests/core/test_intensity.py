@@ -236,7 +236,8 @@ class TestMotionSummary:
         return Recorded(read_record(shipped_record_path("BGAR_HGE")), **CUT).applied()
 
     def test_a_filter_on_request_is_named_with_all_measures_that_it_changes(self):
-        found, plain = self.found(band_hz=(0.5, 10.0)), self.found()
+        found = self.found(band_hz=(0.5, 10.0))
+        plain = self.found()
         assert found["filtered"] == [name for name in found if name in summary(self.motion())]
         assert all(found[name] != plain[name] for name in found["filtered"])
         assert "\nfilter: zero-phase band-pass 0.5 to 10 Hz, in all measures\n" in describe(found)
@@ -257,7 +258,9 @@ class TestMotionSummary:
     def test_a_baseline_that_drifts_and_comes_to_rest(self, place):
         """A pulse of 0.068 m/s on a line from -c T / 2 to c T / 2, whose mean is zero: a PGV of
         c T^2 / 8 = 0.4 m/s, and an end velocity of zero."""
-        step_s, size, slope = 0.01, 4001, 2e-3
+        step_s = 0.01
+        size = 4001
+        slope = 2e-3
         time_s = step_s * np.arange(size)
         phase = (np.pi * 2.0 * (time_s - 8.0)) ** 2
         pulse = 1.0 * (1 - 2 * phase) * np.exp(-phase)
@@ -355,7 +358,8 @@ class TestAppliedMotion:
         assert found["sa_eigen_period_g"] == approx(
             simulated_sa_g(loading.applied(), self.EIGEN_S), rel=BETWEEN_INSTANTS
         )
-        time_s, acceleration = loading.applied().time_s, loading.applied().acceleration_m_s2
+        time_s = loading.applied().time_s
+        acceleration = loading.applied().acceleration_m_s2
         energy = np.concatenate(
             [[0], np.cumsum((acceleration[1:] ** 2 + acceleration[:-1] ** 2) / 2 * np.diff(time_s))]
         )
@@ -366,7 +370,8 @@ class TestAppliedMotion:
 
     def test_a_harmonic_motion_by_closed_forms(self):
         found = applied_measures(Harmonic(0.2, 0.1, 3).applied(), None)
-        a, omega = 0.1 * GRAVITY, 2 * np.pi / 0.2
+        a = 0.1 * GRAVITY
+        omega = 2 * np.pi / 0.2
         # straight lines between 400 samples a cycle: (pi / 400)^2 / 3 of an integral
         assert found["pgv_m_s"] == approx(2 * a / omega, rel=3e-5)
         assert found["arias_m_s"] == approx(np.pi / 2 / GRAVITY * a**2 / 2 * 0.6, rel=3e-5)
@@ -375,7 +380,8 @@ class TestAppliedMotion:
     def test_a_slow_oscillator_peaks_in_the_rest_after_a_short_motion(self):
         # a pulse far shorter than the period leaves the velocity v: Sa = omega v exp(-z atan(q) /
         # q') of free vibration
-        period_s, z = 1.0, 0.05
+        period_s = 1.0
+        z = 0.05
         record = Record("pulse", 0.001, [0.0, 1.0, 0.0])
         phase = math.acos(z)
         expected = (

@@ -28,8 +28,15 @@ from damage.law.joint_law import (
     strength_left,
 )
 
-KN, KS, FT, C, MU = 6.557e10, 2.687e10, 0.21e6, 0.24e6, math.tan(math.radians(32))
-G1, G2, FC, G_C = 5.0, 50.0, 3e6, 600.0
+KN = 6.557e10
+KS = 2.687e10
+FT = 0.21e6
+C = 0.24e6
+MU = math.tan(math.radians(32))
+G1 = 5.0
+G2 = 50.0
+FC = 3e6
+G_C = 600.0
 DEEP = FC / KN
 """Opening [m] at which a joint crushes, without its sign."""
 LAW = LawParameters(KN, KS, FT, C, Material(MU))
@@ -50,13 +57,19 @@ LAWS = {
 def follow(path, law=LAW, state=None):
     """Drive a contact along [(opening, shear displacement), ...]: (states, events, work by the
     trapezium)."""
-    state, opening, shear, work, states, events = state or ContactState(), 0.0, 0.0, 0.0, [], []
+    state = state or ContactState()
+    opening = 0.0
+    shear = 0.0
+    work = 0.0
+    states = []
+    events = []
     for at, along in path:
         old = state
         state, event = advance(at, along - shear, state, law)
         work += 0.5 * (old.normal_stress + state.normal_stress) * (at - opening)
         work += 0.5 * (old.shear_stress + state.shear_stress) * (along - shear)
-        opening, shear = at, along
+        opening = at
+        shear = along
         states.append(state)
         events.append(event)
     return states, events, work
@@ -117,12 +130,15 @@ def test_slip_is_frozen_while_open_and_reclosing_starts_without_shear():
 def test_sliding_under_a_changing_normal_stress_balances_step_by_step():
     """Coarse steps: the normal stress falls from 1 MPa to nothing and rises again while the joint
     slides."""
-    state, work, opening = ContactState(broken=True), 0.0, -1e6 / KN
+    state = ContactState(broken=True)
+    work = 0.0
+    opening = -1e6 / KN
     state, _ = advance(opening, 1e-4, state, LAW)  # to the limit
     state = state._replace(friction_work=0.0)
     stored = elastic_energy(state.normal_stress, state.shear_stress, KN, KS)
     for k in range(1, 21):
-        old, sigma = state, -1e6 * abs(math.cos(math.pi * k / 20))
+        old = state
+        sigma = -1e6 * abs(math.cos(math.pi * k / 20))
         state, _ = advance(sigma / KN, 2e-5, state, LAW)
         work += (old.normal_stress + state.normal_stress) / 2 * (sigma - old.normal_stress) / KN
         work += (old.shear_stress + state.shear_stress) / 2 * 2e-5
@@ -184,9 +200,11 @@ class TestSoftening:
     @pytest.mark.parametrize("energy", [100.0, 5.0, 0.5])
     def test_opened_and_slid_at_once_it_is_on_its_envelope(self, energy):
         """(S1) to (S3), from where growth of kappa by itself is negligible to 0.99 of it."""
-        law, draw = SOFT._replace(mode_i_energy=energy), np.random.default_rng(2).uniform
+        law = SOFT._replace(mode_i_energy=energy)
+        draw = np.random.default_rng(2).uniform
         for _ in range(300):
-            opening, shear = draw(0.0, 2e-5), draw(0.0, 2e-5)
+            opening = draw(0.0, 2e-5)
+            shear = draw(0.0, 2e-5)
             (old, new), events, _ = follow([(opening, shear), (1.1 * opening, 1.2 * shear)], law)
             if SHEAR in events or TENSION in events:
                 continue
@@ -284,7 +302,8 @@ def test_work_done_is_stored_or_dissipated(name):
     """Along any path of small steps: the trapezium of the work is exact while stresses are linear,
     so that each event within a step leaves a rest of the order of stress times step.  Nothing that
     is lost comes back."""
-    law, n = LAWS[name], 400
+    law = LAWS[name]
+    n = 400
 
     @settings(max_examples=30, deadline=None)
     @given(corners)
@@ -292,7 +311,8 @@ def test_work_done_is_stored_or_dissipated(name):
         at = np.array([(0.0, 0.0), *targets])
         path = np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b in zip(at, at[1:])])
         states, _, work = follow(path.tolist(), law)
-        last, largest = states[-1], np.abs(np.diff(path, axis=0, prepend=[(0.0, 0.0)])).max()
+        last = states[-1]
+        largest = np.abs(np.diff(path, axis=0, prepend=[(0.0, 0.0)])).max()
         kept = stored(last, path[-1][0] + last.closure, law)
         stress = max(abs(state.normal_stress) + abs(state.shear_stress) for state in states)
         assert work - kept - last.friction_work - last.fracture_work == approx(
@@ -311,7 +331,8 @@ def test_stresses_stay_within_what_is_left(name):
     @settings(max_examples=60, deadline=None)
     @given(corners)
     def check(targets):
-        shear, state = 0.0, ContactState()
+        shear = 0.0
+        state = ContactState()
         for opening, target in targets:
             state, _ = advance(opening, target - shear, state, law)
             shear = target
@@ -341,9 +362,11 @@ def test_the_elastic_domain_is_where_the_law_changes_nothing_but_stresses(place)
     """Opening over f_t/k_n, shear over c/k_s, and a shear stress that a broken contact still holds
     over c."""
     opening, shear, broken, held = place
-    opening, shear = opening * FT / KN, shear * C / KS
+    opening = opening * FT / KN
+    shear = shear * C / KS
     state = ContactState(shear_stress=held * C if broken else 0.0, broken=broken, slip=1e-5)
-    sigma, trial = KN * opening, state.shear_stress + KS * shear
+    sigma = KN * opening
+    trial = state.shear_stress + KS * shear
     new, event = advance(opening, shear, state, LAW)
     if stays_elastic(sigma, trial, *strength_left(broken, LAW), MU):
         assert event == INTACT and new == state._replace(normal_stress=sigma, shear_stress=trial)
@@ -359,7 +382,8 @@ def test_the_elastic_domain_is_where_the_law_changes_nothing_but_stresses(place)
 @settings(max_examples=300, deadline=None)
 @given(st.floats(-2.0, 1.5), st.floats(-3.0, 3.0))
 def test_the_elastic_range_is_the_domain_in_displacements(opening, shear):
-    opening, shear = opening * FT / KN, shear * C / KS
+    opening = opening * FT / KN
+    shear = shear * C / KS
     in_stresses = stays_elastic(KN * opening, KS * shear, FT, C, MU)
     on_the_edge = math.isclose(KN * opening, FT) or math.isclose(
         abs(KS * shear), C - KN * opening * MU

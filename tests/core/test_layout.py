@@ -138,7 +138,8 @@ class TestOddWall:
 
     def test_cells_face_each_other(self, wall):
         layout = lay_out(wall)
-        contacts, cells = layout.contacts, layout.cells
+        contacts = layout.contacts
+        cells = layout.cells
         bed = (contacts.kind != HEAD) & (contacts.first != GROUND)
         for edge in (cells.left, cells.right):
             assert_allclose(
@@ -154,7 +155,8 @@ class TestOddWall:
     def test_head_joints_of_neighbouring_courses_are_not_in_line(self, wall):
         contacts = lay_out(wall).contacts
         heads = contacts.kind == HEAD
-        x, z = contacts.x[heads], contacts.z[heads]
+        x = contacts.x[heads]
+        z = contacts.z[heads]
         neighbours = np.isclose(np.abs(z[:, None] - z), 0.075)
         assert np.abs(x[:, None] - x)[neighbours].min() > BRICK / 8
 
@@ -291,7 +293,8 @@ DOOR = replace(PANEL, openings=(Opening(0.88, 0.88, 2.25),))
 
 def compliance(layout, kind, name):
     """Of joints of whole units within the wall [m3/N]."""
-    contacts, length = layout.contacts, layout.bodies.length
+    contacts = layout.contacts
+    length = layout.bodies.length
     whole = (contacts.kind == kind) & (contacts.first >= 0)
     whole &= length[contacts.first] + length[contacts.second] > 2 * length[0] - 1e-9
     return 1 / np.unique(getattr(contacts, name)[whole])
@@ -299,7 +302,8 @@ def compliance(layout, kind, name):
 
 @pytest.mark.parametrize("units", [(2, 2), (2, 3), (3, 2)])
 def test_rows_and_stacks_keep_their_compliance(units):
-    fine, coarse = lay_out(PANEL), lay_out(coarser(PANEL, *units))
+    fine = lay_out(PANEL)
+    coarse = lay_out(coarser(PANEL, *units))
     for name in ("normal_stiffness", "shear_stiffness"):
         for kind, number in zip((HEAD, BED), units):
             given, made = (compliance(one, kind, name) for one in (fine, coarse))

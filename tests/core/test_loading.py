@@ -127,7 +127,8 @@ class TestRecorded:
         assert table["pga_g"] == driven.peak_g > load.as_dict()["pga_g"]
 
     def test_vertical_gets_the_same_preparation(self):
-        east, up = noise("east"), noise("up", seed=2)
+        east = noise("east")
+        up = noise("up", seed=2)
         load = Recorded(east, 0.5, (1, 4), vertical=up, band_hz=(0.5, 20))
         alone = Recorded(up, 0.5, (1, 4), band_hz=(0.5, 20))
         time_s = np.linspace(0, 3, 50)
@@ -173,7 +174,8 @@ class TestFreeVibration:
     def test_last_bits_of_the_critical_step_do_not_choose_the_step(self):
         """Those of one wall's linear algebra by one thread and by two: a wall pushed so had peaks
         0.7 % apart."""
-        one, two = 9.270022376811165e-06, 9.27002237681116e-06
+        one = 9.270022376811165e-06
+        two = 9.27002237681116e-06
         assert (
             FreeVibration().preferred_step_s(one)
             == FreeVibration().preferred_step_s(two)
@@ -186,7 +188,8 @@ class TestFreeVibration:
 
 
 class TestTopDisplacement:
-    HEIGHT, LOAD = 2.8, TopDisplacement((0.01, 0.1), cycles=1, speed_m_s=2e-3)
+    HEIGHT = 2.8
+    LOAD = TopDisplacement((0.01, 0.1), cycles=1, speed_m_s=2e-3)
 
     def test_reaches_every_turning_point_and_no_further(self):
         time_s = np.linspace(0, self.LOAD.schedule(self.HEIGHT)[0][-1] + 1, 100_001)

@@ -66,7 +66,8 @@ def test_tension_of_a_stone_on_its_two_ends():
         ),
         1e-6,
     )
-    contacts, weight = wall.layout.contacts, GRAVITY * wall.layout.total_mass
+    contacts = wall.layout.contacts
+    weight = GRAVITY * wall.layout.total_mass
     ends = np.abs(contacts.x - STONE.length / 2) > 0.4 * STONE.length
     assert ends.sum() == 2
     wall.system.readings[READINGS.index("sigma")] = np.where(ends, -weight / 2 / contacts.area, 0.0)
@@ -86,7 +87,8 @@ def test_peak_of_sw30(base_course):
 @pytest.mark.long
 def test_rigid_stones_overrate_sw200_and_split_ones_less():
     speed = {"speed": SPLITTING_PUSH_M_S, "farthest": 0.02}
-    rigid, split = push(lay("SW.200"), **speed), push(lay_splitting("SW.200"), **speed)
+    rigid = push(lay("SW.200"), **speed)
+    split = push(lay_splitting("SW.200"), **speed)
     assert rigid.peak < sliding_by_hand("SW.200")
     assert 1.4 * measured_peak("SW.200") < rigid.peak
     assert split.peak < 0.9 * rigid.peak

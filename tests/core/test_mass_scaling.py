@@ -64,7 +64,8 @@ def test_a_mode_vibrates_with_the_period_of_the_closed_form(mode, time_step):
     slower = (
         2 / time_step * np.arcsin(time_step / 2 * exact / np.sqrt(1 + time_step**2 * exact**2 / 2))
     )
-    wall, shape = free_wall(layout, time_step), 1e-7 * modes.shape[mode]
+    wall = free_wall(layout, time_step)
+    shape = 1e-7 * modes.shape[mode]
     n = round(9.75 * 2 * np.pi / slower / time_step)
     wall.displacement = shape
     wall.velocity = shape * (1 - np.cos(slower * time_step)) / time_step
@@ -120,7 +121,8 @@ def solves_as_scipy_does(layout, held, scaled=slice(None)):
     wall = free_wall(layout, 2e-4, scaled, beta=1e-6)
     if held:
         wall.hold(layout.pushed_bodies, rotation=True)
-    n, size = len(layout.bodies), wall.system.place.shape[1]
+    n = len(layout.bodies)
+    size = wall.system.place.shape[1]
     place = 1e-8 * np.random.default_rng(1).normal(size=(n, size))
     place[wall.system.inverse_mass[:n] == 0] = 0.0
     wall.system.place[:n] = place
@@ -154,11 +156,13 @@ class TestLintels:
         """The bound is that of a mediant: K1 + K2 over M + dt^2/2 K2 is at most the larger one of
         K1 over M and 2/dt^2."""
         layout = lay_out(wall)
-        modes, inside = natural_modes(layout), inside_lintels(layout)
+        modes = natural_modes(layout)
+        inside = inside_lintels(layout)
         step = modes.masonry_time_step_s
         assert inside.any() and step > 1.3 * modes.critical_time_step_s
         scaled = scaled_mass(layout, step, 0.0, of=inside).whole.sparse().toarray()
-        stiffness, mass = stiffness_matrix(layout).toarray(), mass_vector(layout)
+        stiffness = stiffness_matrix(layout).toarray()
+        mass = mass_vector(layout)
         added = (scaled - np.diag(mass)).reshape(len(layout.bodies), 3, -1)
         of_lintel = layout.bodies.course == LINTEL_COURSE
         assert not added[~of_lintel].any() and added[of_lintel].any(axis=(1, 2)).all()
@@ -189,7 +193,8 @@ class TestLintels:
 
     def test_a_wall_on_ground_that_settles_moves_as_in_explicit_steps(self, wall):
         how = SHAKEN | {"settle": "hogging", "distortion": 1 / 600, "settling": "adaptive"}
-        scaled, explicit = run(wall, **how), run(wall, **how, mass_scaling="none")
+        scaled = run(wall, **how)
+        explicit = run(wall, **how, mass_scaling="none")
         assert (scaled.parameters["mass_scaling"], scaled.parameters["repeats"]) == ("lintels", 0)
         assert scaled.time_step_s > 2 * explicit.time_step_s and explicit.broken.any()
         found, expected = (one.series["drift_ratio"].abs().max() for one in (scaled, explicit))
@@ -205,16 +210,19 @@ def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs, lintel):
 
     def shaken(level):
         wall = lay_out(drawn(of, ranges(inputs), level), layout.options)
-        step, scaled = 2e-4 if inputs == "given" else 2e-4 - 5e-6 * level, slice(None)
+        step = 2e-4 if inputs == "given" else 2e-4 - 5e-6 * level
+        scaled = slice(None)
         if lintel:
-            step, scaled = 0.6 * natural_modes(wall).masonry_time_step_s, inside_lintels(wall)
+            step = 0.6 * natural_modes(wall).masonry_time_step_s
+            scaled = inside_lintels(wall)
             level *= 30
         wall = ReferenceWall(wall, step, beta=1e-6, scaled=scaled)
         turns = np.arange(800) / 300
         wall.start(level * np.column_stack([np.sin(2 * np.pi * turns), 0 * turns]))
         return wall
 
-    walls, alone = [shaken(level) for level in range(2, 8)], shaken(6)
+    walls = [shaken(level) for level in range(2, 8)]
+    alone = shaken(6)
     run_together(walls, 400, 400)
     alone.run(400, 400)
     other = walls[4]
@@ -361,7 +369,8 @@ class TestDrop:
         assert_allclose(Borne(layout).largest_drop(motion), [0.0, 6e-4], atol=1e-12)
 
     def test_none_of_a_wall_that_moves_or_turns_as_a_whole(self, layout):
-        motion, angle = np.zeros((1, len(layout.bodies), 3)), 0.02
+        motion = np.zeros((1, len(layout.bodies), 3))
+        angle = 0.02
         motion[0, :, 1] = (
             -5e-3 + np.sin(angle) * layout.bodies.x - (1 - np.cos(angle)) * layout.bodies.z
         )

@@ -30,7 +30,10 @@ from damage.motion.intensity import motion_measures
 from damage.run.report import describe
 
 STEP_S = 0.002
-MOTION, REST, SETTLING = 300, 700, 250  # samples: 0.6 s of motion, 1.4 s of rest, 0.5 s of settling
+# samples: 0.6 s of motion, 1.4 s of rest, 0.5 s of settling
+MOTION = 300
+REST = 700
+SETTLING = 250
 STAGES = ("motion",) * MOTION + ("rest",) * REST + ("settling",) * SETTLING
 TIME_S = STEP_S * np.arange(len(STAGES))
 
@@ -232,7 +235,9 @@ def index_of(drift=0.0, opening=(0, 0, 0, 0), slip=(0, 0, 0, 0), at_limit=(0, 0,
     return frame.iloc[0]
 
 
-FIRST, SECOND, LIMITED = (2e-4, 0, 0, 0), (0, 2e-4, 0, 0), (0, 0, 1, 1)
+FIRST = (2e-4, 0, 0, 0)
+SECOND = (0, 2e-4, 0, 0)
+LIMITED = (0, 0, 1, 1)
 
 
 @pytest.mark.parametrize(
@@ -316,12 +321,16 @@ def joint_of(kind, course, fits=lambda row: True):
 def on_its_left(row):
     """Whether a whole brick stands with its right half on the brick below: it falls off to the left
     at 0.1125 m."""
-    first, second = CONTACTS.first[row], CONTACTS.second[row]
-    x, length = LAYOUT.bodies.x, LAYOUT.bodies.length
+    first = CONTACTS.first[row]
+    second = CONTACTS.second[row]
+    x = LAYOUT.bodies.x
+    length = LAYOUT.bodies.length
     return (x[first] - x[second], length[first], length[second]) == approx((0.1125, 0.225, 0.225))
 
 
-BED, HEAD, BASE = joint_of(0, 2, on_its_left), joint_of(1, 2), joint_of(0, 0)
+BED = joint_of(0, 2, on_its_left)
+HEAD = joint_of(1, 2)
+BASE = joint_of(0, 0)
 
 
 def test_faces_end_where_bricks_do(still_history):

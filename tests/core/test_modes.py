@@ -123,10 +123,8 @@ def test_large_rigid_rotation_opens_no_joint_between_bricks(symmetric_wall):
 @pytest.mark.parametrize("restraints", [(), (Restraint("top"), Restraint("left"))])
 def test_static_displacements_are_those_of_a_sparse_solver(options, restraints):
     layout = restrained(restraints, options)
-    free, weight = (
-        mass_vector(layout) > 0,
-        np.zeros((len(layout.bodies), 3 + (layout.strain.n_modes if layout.strain else 0))),
-    )
+    free = mass_vector(layout) > 0
+    weight = np.zeros((len(layout.bodies), 3 + (layout.strain.n_modes if layout.strain else 0)))
     weight[:, 1] = -GRAVITY * layout.weighing
     expected = np.zeros(len(free))
     expected[free] = splu(stiffness_matrix(layout).tocsc()[free][:, free]).solve(

@@ -25,13 +25,12 @@ PAIR = Wall("pair", length=0.1125, height=0.15, precompression=0.0)
 SOFT = Joint(mode_i_fracture_energy=5.0, mode_ii_fracture_energy=50.0)
 CONTACTS = lay_out(PAIR).contacts
 BETWEEN = np.flatnonzero((CONTACTS.kind == BED) & (CONTACTS.first >= 0))
-KN, KS, MU = (
-    CONTACTS.normal_stiffness[BETWEEN[0]],
-    CONTACTS.shear_stiffness[BETWEEN[0]],
-    math.tan(math.radians(32)),
-)
+KN = CONTACTS.normal_stiffness[BETWEEN[0]]
+KS = CONTACTS.shear_stiffness[BETWEEN[0]]
+MU = math.tan(math.radians(32))
 # [m]: pressed together by 0.3 MPa; sheared elastically up to friction
-PRESSED, HELD = -0.3e6 / KN, MU * 0.3e6 / KS
+PRESSED = -0.3e6 / KN
+HELD = MU * 0.3e6 / KS
 
 PATH = [  # opening, shear displacement; slip accumulated, offset [m]
     ((3e-4, 0.0), (0.0, 0.0)),  # the bond breaks
@@ -55,7 +54,8 @@ class Pair:
             PAIR if joint is None else Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint),
             model or ModelOptions(),
         )
-        self.solver, self.here = ReferenceSolver(self.layout, 1e-5), np.zeros(2)
+        self.solver = ReferenceSolver(self.layout, 1e-5)
+        self.here = np.zeros(2)
 
     def go(self, there, steps=200):
         for opening, shear in np.linspace(self.here, there, steps + 1)[1:]:
@@ -74,7 +74,8 @@ def test_the_offset_is_what_one_sees_now_and_slip_what_added_up():
 
 
 def test_a_bond_that_breaks_in_shear_keeps_what_friction_does_not_hold():
-    pair, peak = Pair(), (0.24e6 + MU * 0.3e6) / KS
+    pair = Pair()
+    peak = (0.24e6 + MU * 0.3e6) / KS
     whole = pair.go((PRESSED, 0.99 * peak))
     assert np.all(whole.offset == 0.0)
     now = pair.go((PRESSED, 1.01 * peak))
@@ -99,7 +100,9 @@ SOFT_PATH = [
 def by_law(path, strengths, energies):
     """u_s - tau / k_s of the law where its bond has softened or is gone, at each corner."""
     law = LawParameters(KN, KS, *strengths, material_of(SOFT), *energies)
-    state, here, found = ContactState(), np.zeros(2), []
+    state = ContactState()
+    here = np.zeros(2)
+    found = []
     for there in path:
         for opening, shear in np.linspace(here, there, 201)[1:]:
             state, _ = advance(opening, shear - here[1], state, law)
@@ -124,8 +127,10 @@ def test_a_rocking_brick_has_no_offset_and_one_that_turned_far_keeps_within_its_
     pair.go((3e-4, 0.0))
     toe = np.array([-0.05625, -0.0375])  # from the upper brick's centre
     for turn in (1e-3, 0.1, 1.0, 3.0):
-        cos, sin = math.cos(turn), math.sin(turn)
-        x, z = toe[0] - (cos * toe[0] - sin * toe[1]), toe[1] - (sin * toe[0] + cos * toe[1])
+        cos = math.cos(turn)
+        sin = math.sin(turn)
+        x = toe[0] - (cos * toe[0] - sin * toe[1])
+        z = toe[1] - (sin * toe[0] + cos * toe[1])
         pair.solver.displacement = [(0, 0, 0), (x, z, turn)]
         assert_allclose(pair.solver.offset[BETWEEN], 0.0, atol=1e-12)
 

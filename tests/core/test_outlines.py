@@ -66,7 +66,8 @@ class TestByHand:
         layout = lay_out(
             Wall("w", 1.2, 0.4, (Opening(0.4, 0.4, 0.2, 0.2),), precompression=0.0, brick=BRICK)
         )
-        beds, heads = 1.2 + 1.2 + 0.8 + 0.8, 0.1 * (5 + 6 + (1 + 1) + (2 + 2))
+        beds = 1.2 + 1.2 + 0.8 + 0.8
+        heads = 0.1 * (5 + 6 + (1 + 1) + (2 + 2))
         assert_allclose(layout.total_joint_length, beds + heads, rtol=1e-12)
         assert layout.plan.piers == ((0.0, 0.4), (0.8, 1.2))
 
@@ -117,7 +118,9 @@ two at the top."""
 class TestPlan:
     def test_openings_lintels_runs_and_piers(self):
         plan = plan_of(HOUSE)
-        (window,), (lintel,), (slab,) = plan.openings, plan.lintels, plan.slabs
+        (window,) = plan.openings
+        (lintel,) = plan.lintels
+        (slab,) = plan.slabs
         assert window[:5] == (0.6, approx(1.2), 2, 6, 8) and slab[1:] == (0.0, 2.0, 8, 10)
         assert lintel[1:5] == (approx(0.5), approx(1.3), 6, 8)
         assert [len(runs) for runs in plan.runs] == [1, 1, 2, 2, 2, 2, 2, 2, 0, 0]
@@ -137,7 +140,8 @@ class TestPlan:
 
     def test_courses_and_ends_are_those_of_the_bodies(self):
         layout = lay_out(HOUSE)
-        plan, bodies = layout.plan, layout.bodies
+        plan = layout.plan
+        bodies = layout.bodies
         first, last = plan.taken
         assert (
             len(bodies)

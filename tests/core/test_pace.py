@@ -20,7 +20,9 @@ def clock(monkeypatch):
 
 def followed(clock, rates, whole):
     """[time left as said] after each second of work at these rates, of so much in all."""
-    work, done, said = Pace(), 0.0, []
+    work = Pace()
+    done = 0.0
+    said = []
     for rate in rates:
         clock[0] += 1.0
         done += rate

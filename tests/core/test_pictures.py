@@ -142,7 +142,8 @@ class TestShape:
         motion = REST.copy()
         motion[2] = 2e-4, -1e-4, 1e-3
         figure = wall_picture(history(snapshots={0.1: motion}), 10, magnify=50)
-        x, z = LAYOUT.bodies.x[2], LAYOUT.bodies.z[2]
+        x = LAYOUT.bodies.x[2]
+        z = LAYOUT.bodies.z[2]
         arm = complex(LAYOUT.bodies.length[2], LAYOUT.bodies.height[2]) / 2
         upper_right = complex(x, z) + 50 * complex(2e-4, -1e-4) + arm * np.exp(1j * 50 * 1e-3)
         drawn = collection(figure, "bricks").get_paths()[2].vertices[2]
@@ -208,7 +209,8 @@ class TestInAxesOfAnother:
 class TestIndexPicture:
     def test_lines_are_the_index(self, cracked):
         below = index_picture(cracked).axes[1]
-        index, latched = cracked.index(), cracked.index(slip="shear-limit")
+        index = cracked.index()
+        latched = cracked.index(slip="shear-limit")
         for label, column in (
             ("DI", index["DI"]),
             (r"DI$_\mathrm{drift}$", index["DI_drift"]),
@@ -224,7 +226,8 @@ class TestIndexPicture:
     def test_maximum_and_residual_are_marked_with_their_values(self, cracked):
         below = index_picture(cracked).axes[1]
         damage = cracked.index()["DI"]
-        largest, residual = line(below, "maximum"), line(below, "residual")
+        largest = line(below, "maximum")
+        residual = line(below, "residual")
         assert_allclose([*largest.get_xdata(), *largest.get_ydata()], [0.10, damage[10]])
         assert_allclose(
             [*residual.get_xdata(), *residual.get_ydata()], [0.20, damage[20]], atol=ROUND_OFF
@@ -267,7 +270,8 @@ class TestTitles:
 class TestOtherPictures:
     def test_hysteresis_in_percent_and_kilonewton(self, cracked):
         ax = hysteresis_picture(cracked).axes[0]
-        motion, rest = line(ax, "motion"), line(ax, "rest")
+        motion = line(ax, "motion")
+        rest = line(ax, "rest")
         assert_allclose(motion.get_xdata(), 0.1 * PULSE[:10])
         assert_allclose(motion.get_ydata(), LAYOUT.drift_height * PULSE[:10])  # 1 MN/m times 1e-3
         # joined to the motion, without settling

@@ -57,7 +57,8 @@ def test_a_block_that_slides_bears_friction(pushed, speed):
 def test_a_wall_that_rocks_bears_its_weight_at_its_toe(pushed, speed):
     """W b / H, with b to the outermost contact point and H to the middle of the top mass; with
     damping of the whole velocity 13 and 5 % more at these speeds."""
-    layout, history = lay_out(ROCKING), pushed(ROCKING, speed, pushover=0.1)
+    layout = lay_out(ROCKING)
+    history = pushed(ROCKING, speed, pushover=0.1)
     toe = np.abs(layout.contacts.x[layout.contacts.z == 0] - 0.2).max()
     by_hand = weight(layout) * toe / layout.pushed_height
     assert_allclose(summarise(history)["peak_force_n"], by_hand, rtol=0.02)

@@ -210,7 +210,8 @@ def test_adaptive_damping_finds_the_static_solution_sooner_than_local():
     assert adaptive < 1e-9 and adaptive < local
     # Springs in series: every bed joint settles by the weight above it over its stiffness.
     layout, _ = slender()
-    contacts, bodies = layout.contacts, layout.bodies
+    contacts = layout.contacts
+    bodies = layout.bodies
     settlement = 0.0
     for course in range(20):
         above = GRAVITY * bodies.mass[(bodies.course >= course) | (bodies.course < 0)].sum()

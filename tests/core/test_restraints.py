@@ -23,9 +23,12 @@ from damage.wall.layout import lay_out
 from damage.wall.new import as_toml
 from damage.wall.restraints import THICK_M, Restraint
 
-THICK, WIDTH, DENSITY = 0.21, 1.292, 1885.0
+THICK = 0.21
+WIDTH = 1.292
+DENSITY = 1885.0
 DRY = Joint(1e10, 4e9, math.atan(0.75), 0.0, 0.0)
-GAUSS, TOP = ModelOptions(contacts="gauss", cells=4), Restraint("top")
+GAUSS = ModelOptions(contacts="gauss", cells=4)
+TOP = Restraint("top")
 
 
 def strip(
@@ -55,14 +58,15 @@ class TestStrip:
         """Force [N] on the pushed course and its displacement [m] at which it vanishes, of rigid
         blocks that turn about the outermost contact points of the base, joint k and the top; a free
         top turns about the beam's middle."""
-        wall, bodies = layout.wall, layout.bodies
-        lever, height = np.ptp(layout.contacts.x), wall.built_height
-        low, high = (
-            k * wall.brick.height,
-            height - k * wall.brick.height + (THICK_M / 2 if free else 0.0),
-        )
+        wall = layout.wall
+        bodies = layout.bodies
+        lever = np.ptp(layout.contacts.x)
+        height = wall.built_height
+        low = k * wall.brick.height
+        high = height - k * wall.brick.height + (THICK_M / 2 if free else 0.0)
         below = GRAVITY * bodies.mass[:k].sum()
-        above, load = GRAVITY * bodies.mass[k:-1].sum(), GRAVITY * layout.top_mass
+        above = GRAVITY * bodies.mass[k:-1].sum()
+        load = GRAVITY * layout.top_mass
         bricks = below / 2 / low + above * (1 / low + 0.5 / high)
         force = (load * (1 / low + (0.5 if free else 1.0) / high) + bricks) * lever
         slope = load * (1 / low + 1 / high) + bricks
@@ -95,19 +99,23 @@ class TestStrip:
     def test_the_first_period_is_that_of_a_clamped_timoshenko_beam(self):
         """Symmetric modes of cosh and cos about the middle, deflection and rotation zero at the
         ends."""
-        young, shear, half = 2.5e9, 1e9, 2.58 / 2
+        young = 2.5e9
+        shear = 1e9
+        half = 2.58 / 2
         layout = strip(43, 0.06, Joint(1e14, 4e13, tensile_strength=0.2e6), modulus=young)
-        area, radius2 = THICK * WIDTH, THICK**2 / 12
+        area = THICK * WIDTH
+        radius2 = THICK**2 / 12
 
         def ends(frequency):
             inertia = DENSITY * (2 * math.pi * frequency) ** 2
-            b, c = (
-                inertia * (1 / young + 1 / shear),
-                inertia / young * (inertia / shear - 1 / radius2),
-            )
+            b = inertia * (1 / young + 1 / shear)
+            c = inertia / young * (inertia / shear - 1 / radius2)
             root = math.sqrt(b**2 / 4 - c)
-            p, q = math.sqrt(root - b / 2), math.sqrt(root + b / 2)  # w = cosh p x, cos q x
-            turn_p, turn_q = p + inertia / shear / p, q - inertia / shear / q
+            # w = cosh p x, cos q x
+            p = math.sqrt(root - b / 2)
+            q = math.sqrt(root + b / 2)
+            turn_p = p + inertia / shear / p
+            turn_q = q - inertia / shear / q
             return math.cosh(p * half) * turn_q * math.sin(q * half) + turn_p * math.sinh(
                 p * half
             ) * math.cos(q * half)
@@ -138,7 +146,9 @@ class TestBearing:
     def test_the_step_follows_the_law_and_its_slip_is_friction(self):
         """k (u - s), |F| up to mu N while the play lasts."""
         layout = strip(restraint=self.TOP)
-        load, slip, forces = GRAVITY * layout.top_mass, 0.0, []
+        load = GRAVITY * layout.top_mass
+        slip = 0.0
+        forces = []
         wall = ReferenceSolver(layout, 1e-5)
         beam = len(layout.bodies) - 1
         for place in self.path():

@@ -57,15 +57,26 @@ class Clockwork:
         offset_m=lambda step: 0.0,
         breaks_at_steps=(),
     ):
-        self.layout, self.time_step, self.clock = layout, DT, 0
-        self.input_j, self.slip_m, self.offset_m = input_j, slip_m, offset_m
-        self.unbalanced, self.falls_at_step, self.at_once = unbalanced, falls_at_step, at_once
-        self.kinetic_j, self.damping_j = kinetic_j, damping_j
-        self.breaks_at_steps, self.log, self.events = breaks_at_steps, [], []
+        self.layout = layout
+        self.time_step = DT
+        self.clock = 0
+        self.input_j = input_j
+        self.slip_m = slip_m
+        self.offset_m = offset_m
+        self.unbalanced = unbalanced
+        self.falls_at_step = falls_at_step
+        self.at_once = at_once
+        self.kinetic_j = kinetic_j
+        self.damping_j = damping_j
+        self.breaks_at_steps = breaks_at_steps
+        self.log = []
+        self.events = []
         self.moved_m = self.velocity = 0.0
 
     def start(self, base, gravity):
-        self.clock, self.base, self.gravity = 0, base, gravity
+        self.clock = 0
+        self.base = base
+        self.gravity = gravity
         self.log.append("start")
 
     def damp(self, **how):
@@ -95,10 +106,8 @@ class Clockwork:
         self.log.append("no more")
 
     def advance(self, n_steps, sample_steps=None, on_samples=None, since=None):
-        end, seen = (
-            self.clock + n_steps,
-            ([self.instants()] if on_samples and self.clock == 0 else []),
-        )
+        end = self.clock + n_steps
+        seen = [self.instants()] if on_samples and self.clock == 0 else []
         goes_on = not seen or on_samples(*seen)
         seen.clear()
         while goes_on and self.clock < end:
@@ -114,7 +123,8 @@ class Clockwork:
         return ()
 
     def instants(self):
-        displacement, n = np.zeros((len(self.layout.bodies), 3)), self.layout.n_joints
+        displacement = np.zeros((len(self.layout.bodies), 3))
+        n = self.layout.n_joints
         displacement[:, 0] = self.moved_m
         if self.falls_at_step is not None and self.clock >= self.falls_at_step:
             displacement[0, 1] = -1.0
@@ -154,7 +164,8 @@ class Clockwork:
         return 1.0
 
     def drain_events(self):
-        events, self.events = self.events, []
+        events = self.events
+        self.events = []
         return events
 
 
@@ -265,7 +276,8 @@ def test_top_is_held_and_pushed_with_a_new_velocity_every_sample(run_through):
     _, run, fake, history = run_through("--pushover 0.02 --speed 0.01 --boundary fixed")
     assert ("hold", True) in fake.log
     velocities = [what[1] for what in fake.log if isinstance(what, tuple) and what[0] == "push"]
-    loading, height = run.settings.loading, run.layout.drift_height
+    loading = run.settings.loading
+    height = run.layout.drift_height
     asked = mean_velocities(loading.drive.top, 10 * DT, len(velocities) - 1, height)
     assert_allclose(velocities[:-1], asked, atol=1e-12)
     assert velocities[-1] == 0.0
@@ -394,7 +406,9 @@ def test_no_input_no_percentage(session, input_j, known):
 def test_large_walls_are_looked_at_more_often_and_move_alike(run_of, monkeypatch, tmp_path):
     """As often as samples are taken, where a sample takes a second; contact points that fail
     between two looks are alone in another order in the file."""
-    usual, looked, continues = run_of("shaken"), [], Run._continues
+    usual = run_of("shaken")
+    looked = []
+    continues = Run._continues
     monkeypatch.setattr("damage.run.run.MOST_WORK", 1)
     monkeypatch.setattr(
         Run, "_continues", lambda run: looked.append(run.solver.clock) or continues(run)
@@ -443,24 +457,25 @@ def test_a_brick_has_fallen_when_it_is_half_its_height_below_its_place():
     motion = np.zeros((3, len(layout.bodies), 3))
     motion[:, 3, 1] = -0.49 * height, -0.51 * height, -0.6 * height
     assert have_fallen(motion, lowest_places(layout)).tolist() == [False, True, True]
-    motion[:, 3, 1], motion[2, layout.n_bricks :, 1] = 0.0, -1.0  # nor does a rigid top mass count
+    # nor does a rigid top mass count
+    motion[:, 3, 1] = 0.0
+    motion[2, layout.n_bricks :, 1] = -1.0
     assert not have_fallen(motion, lowest_places(layout)).any()
 
 
 def test_where_bricks_collide_one_fell_when_its_joints_ended_and_it_moved_by_its_height():
     layout = small_layout()
-    contacts, height = layout.contacts, layout.bodies.height[3]
+    contacts = layout.contacts
+    height = layout.bodies.height[3]
     joints = np.flatnonzero((contacts.first == 3) | (contacts.second == 3))
     motion = np.zeros((4, len(layout.bodies), 3))
-    motion[:, 3, 0], motion[:, 3, 1] = (
-        (
-            0.6 * height,
-            0.6 * height,
-            0.9 * height,
-            0.9 * height,
-        ),
-        -0.6 * height,
+    motion[:, 3, 0] = (
+        0.6 * height,
+        0.6 * height,
+        0.9 * height,
+        0.9 * height,
     )
+    motion[:, 3, 1] = -0.6 * height
     state = np.full((4, len(joints)), BROKEN | ENDED)
     state[2, 0] = BROKEN  # one joint still holds it
     assert have_left(layout, motion, joints, state).tolist() == [False, False, False, True]
@@ -481,11 +496,13 @@ def test_bricks_in_flight_are_far_from_rest_by_a_number():
 def test_a_wall_rests_when_no_brick_that_fell_moves():
     """Bodies that are still in their place may vibrate; the speed is that of centre and end."""
     layout = small_layout()
-    height, length = layout.bodies.height[3], layout.bodies.length[3]
+    height = layout.bodies.height[3]
+    length = layout.bodies.length[3]
     before, now = np.zeros((2, len(layout.bodies), 3))
     now[3] = 0.4 * height, 0.0, 0.0
     assert fastest_fallen(layout, now, before, 0.02) == 0.0
-    before[3], now[3] = (0.6 * height, 0, 0.1), (0.6 * height + 3e-4, -4e-4, 0.1 - 1e-3)
+    before[3] = (0.6 * height, 0, 0.1)
+    now[3] = (0.6 * height + 3e-4, -4e-4, 0.1 - 1e-3)
     assert_allclose(fastest_fallen(layout, now, before, 0.02), (5e-4 + 1e-3 * length / 2) / 0.02)
     assert (run_settings.RESTS_BELOW_M_S, run_settings.RESTS_FOR_S, run_settings.AFTER_FALL_S) == (
         0.05,

@@ -201,8 +201,10 @@ def test_a_row_an_event(tmp_path):
 
 
 def test_the_first_shock_is_the_run_by_itself_and_damage_is_carried_over(run_of, tmp_path):
-    once, twice = run_of("shaken"), run_of("twice")
-    n, table = len(once.series), shocks_table(twice)
+    once = run_of("shaken")
+    twice = run_of("twice")
+    n = len(once.series)
+    table = shocks_table(twice)
     assert_array_equal(once.series["drift_ratio"], twice.series["drift_ratio"][:n])
     assert_array_equal(once.slip_m, twice.slip_m[:n])
     assert twice.series["shock"].tolist() == [1] * n + [2] * (len(twice.series) - n)

@@ -41,7 +41,9 @@ from damage.wall.soil import fastest_decay, radiation_times
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)
-N, LENGTH, HEIGHT = 21, 0.3, 0.5
+N = 21
+LENGTH = 0.3
+HEIGHT = 0.5
 BEAM = Wall(
     "beam",
     N * LENGTH,
@@ -68,7 +70,8 @@ def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
     """Of hogging and sagging the deflection over half the length; a knick deflects by half of it
     from its chord."""
     given = 1 / 500
-    settlement, below = Settlement(profile, given), supports()
+    settlement = Settlement(profile, given)
+    below = supports()
     end = settlement.displacement([1e3], below)[0]
     half = (below.right - below.left) / 2
     x = np.concatenate([below.left, below.right[-1:]])
@@ -88,7 +91,8 @@ def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
 @pytest.mark.parametrize("profile", PROFILES)
 def test_last_bits_of_the_walls_lengths_do_not_reach_the_ground(profile):
     """Nor does the rounding of a profile that is level: the rotation there is zero."""
-    settlement, below = Settlement(profile, 1 / 500), supports(7, 4.1)
+    settlement = Settlement(profile, 1 / 500)
+    below = supports(7, 4.1)
     off = Supports(*(np.nextafter(edges, 9.0) for edges in (below.left, below.right)))
     time_s = np.linspace(0, 3, 301)
     moved = settlement.displacement(time_s, below)
@@ -121,9 +125,11 @@ def test_a_profile_from_a_file(tmp_path):
 def test_what_all_points_have_in_common_is_taken_off(common):
     """A wall that sinks by 0.25 m as a whole does what one does that stays: the ground moves for a
     second, not for 79."""
-    x, up = (0.0, 1.0, 4.0), np.array([0.0, -0.002, -0.003]) * np.sign(-common)
+    x = (0.0, 1.0, 4.0)
+    up = np.array([0.0, -0.002, -0.003]) * np.sign(-common)
     one, deep = (Settlement("dip.csv", None, x, tuple(values)) for values in (up, up + common))
-    time_s, below = np.linspace(0, 1, 9), supports()
+    time_s = np.linspace(0, 1, 9)
+    below = supports()
     assert deep.common_m == pytest.approx(common) and deep.moving_s(4.0) == one.moving_s(4.0) == 1
     assert np.array_equal(one.displacement(time_s, below), deep.displacement(time_s, below))
     settings = parsed("--settle tilt --distortion 0.002")
@@ -205,7 +211,8 @@ def test_a_tilt_of_the_whole_base_is_a_rigid_body_motion():
     layout = lay_out(PIER, ModelOptions(supports="bricks"))
     solver = solver_of(layout)
     tilt = Settlement("tilt", 1 / 200)
-    n, interval = 100, tilt.moving_s(PIER.length) / 100
+    n = 100
+    interval = tilt.moving_s(PIER.length) / 100
     steps = round(interval / solver.time_step)
     solver.damp(local=0.7)
     solver.start(NO_MOTION, np.zeros(1))
@@ -239,7 +246,8 @@ def settled(tmp_path, wall, settlement, model=None, change=lambda layout: layout
 def loose_base(layout):
     """The layout whose base joint has no tensile strength and hardly any stiffness along the
     ground."""
-    contacts, ground = layout.contacts, layout.contacts.first < 0
+    contacts = layout.contacts
+    ground = layout.contacts.first < 0
     return replace(
         layout,
         contacts=replace(
@@ -253,8 +261,10 @@ def loose_base(layout):
 def beam_stiffness(layout):
     """Bending and shear stiffness of the beam [N m2, N]: head joints, each for the length of a
     brick."""
-    contacts, head = layout.contacts, layout.contacts.upright
-    second, depth = HEIGHT**3 / 12, HEIGHT
+    contacts = layout.contacts
+    head = layout.contacts.upright
+    second = HEIGHT**3 / 12
+    depth = HEIGHT
     thickness = BEAM.brick.thickness
     return (
         contacts.normal_stiffness[head][0] * LENGTH * thickness * second,
@@ -270,10 +280,8 @@ def test_a_long_elastic_wall_that_the_ground_leaves_is_timoshenkos_beam(tmp_path
         tmp_path, BEAM, Settlement(profile, 1 / 150), ModelOptions(contacts="gauss"), loose_base
     )
     up = history.displacement[-1][:N, 1].astype(float)
-    load, (bending, shear) = (
-        BEAM.brick.density * GRAVITY * HEIGHT * BEAM.brick.thickness,
-        beam_stiffness(layout),
-    )
+    load = BEAM.brick.density * GRAVITY * HEIGHT * BEAM.brick.thickness
+    (bending, shear) = beam_stiffness(layout)
     if profile == "hogging":
         span = N * LENGTH / 2 - LENGTH / 2  # to the middle of the last brick
         half = N * LENGTH / 2
@@ -294,11 +302,13 @@ def test_a_long_elastic_wall_that_the_ground_leaves_is_timoshenkos_beam(tmp_path
 
 def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(tmp_path):
     """Supported at its left end and at two thirds of its length alone."""
-    x, right = np.array([0.0, 1.2, 3.0, 4.2, 5.4, 6.3]), 4.2
+    x = np.array([0.0, 1.2, 3.0, 4.2, 5.4, 6.3])
+    right = 4.2
     ground = Settlement("bridge.csv", None, tuple(x), (0.0, -0.03, -0.03, 0.0, -0.03, -0.03))
     history, layout = settled(tmp_path, BEAM, ground, ModelOptions(contacts="gauss"), loose_base)
     reaction = -history.support_force[-1][:, 1].astype(float)
-    weight, left = GRAVITY * layout.total_mass, LENGTH * (1 - 1 / math.sqrt(3)) / 4
+    weight = GRAVITY * layout.total_mass
+    left = LENGTH * (1 - 1 / math.sqrt(3)) / 4
     expected = weight * (BEAM.length / 2 - left) / (right - left)
     carrying = slice(round(right / LENGTH) - 1, round(right / LENGTH) + 1)
     assert reaction[carrying].sum() == approx(expected, rel=0.01)
@@ -313,7 +323,8 @@ def test_reactions_of_a_wall_that_bridges_settled_supports_are_those_of_statics(
 
 def test_the_ground_settles_before_time_zero_and_rests_then(run_of):
     cracked = run_of("settled")
-    series, settlement = cracked.series, cracked.series["stage"] == "settlement"
+    series = cracked.series
+    settlement = cracked.series["stage"] == "settlement"
     assert series["time_s"][settlement].iloc[-1] == approx(0.0, abs=1e-12)
     assert (series["time_s"][settlement] <= 0).all() and (series["time_s"][~settlement] > 0).all()
     rests = cracked.support_displacement[~settlement.to_numpy()]
@@ -329,7 +340,8 @@ def test_the_ground_settles_before_time_zero_and_rests_then(run_of):
 
 def test_a_run_that_continues_after_a_settlement_has_not_fallen(tmp_path):
     """The ground goes down by more than half a brick; damping of its settling is of that run."""
-    wall, settled = Wall("w", 2.25, 0.3, joint=STRONG), tmp_path / "settled.h5"
+    wall = Wall("w", 2.25, 0.3, joint=STRONG)
+    settled = tmp_path / "settled.h5"
     how = {"supports": "bricks", "accept_implausible": True}
     damage.run(wall, settle="tilt", distortion=0.02, out=settled, **how)
     shaken = damage.run(
@@ -341,7 +353,8 @@ def test_a_run_that_continues_after_a_settlement_has_not_fallen(tmp_path):
 
 
 def test_damage_of_the_settlement_has_the_asked_for_limits(run_of):
-    cracked, limits = run_of("settled"), {"threshold": 1e-3, "drift_limit": 0.5}
+    cracked = run_of("settled")
+    limits = {"threshold": 1e-3, "drift_limit": 0.5}
     last = np.flatnonzero(cracked.series["stage"] == "settlement")[-1]
     expected = cracked.index(**limits)["DI"].iloc[last]
     assert summarise(cracked, **limits)["settled_DI"] == expected < summarise(cracked)["settled_DI"]
@@ -350,10 +363,8 @@ def test_damage_of_the_settlement_has_the_asked_for_limits(run_of):
 def test_cracks_of_the_settlement_stay_and_the_ground_s_work_is_in_the_balance(run_of):
     """The weight goes down with the ground."""
     cracked = run_of("settled")
-    found, last = (
-        settlement_measures(cracked),
-        np.flatnonzero(cracked.series["stage"] == "settlement")[-1],
-    )
+    found = settlement_measures(cracked)
+    last = np.flatnonzero(cracked.series["stage"] == "settlement")[-1]
     assert found["settled_crack_width_mm"] > 0.1 and found["settled_psi"] > 1
     assert found["angular_distortion"] == approx(1 / 500, rel=0.1)
     assert cracked.opening_m[-1].max() > 0.5 * cracked.opening_m[last].max()
@@ -388,8 +399,10 @@ def test_force_and_drift_of_a_push_count_from_its_start(run_of):
     whole = run_of("settled, pushed")
     settling = whole.series["stage"] == "settlement"
     zero = whole.series[settling].iloc[-1]
-    shear, top = whole.series["base_shear_n"], whole.series["top_displacement_m"]
-    found, at = first_loading(whole), (shear >= 0.7 * shear.max()).idxmax()
+    shear = whole.series["base_shear_n"]
+    top = whole.series["top_displacement_m"]
+    found = first_loading(whole)
+    at = (shear >= 0.7 * shear.max()).idxmax()
     assert (
         not whole.series["top_force_n"][settling].any()
         and whole.series["top_force_n"].abs().max() > 1e3
@@ -406,7 +419,8 @@ def test_force_and_drift_of_a_push_count_from_its_start(run_of):
 def test_settled_and_unsettled_walls_are_compared(run_of):
     """On one support and on one below each brick their joints are the same; failures of the
     settlement leave no drift to compare."""
-    whole, plain = run_of("settled, pushed"), run_of("pushed")
+    whole = run_of("settled, pushed")
+    plain = run_of("pushed")
     for first, second in ((whole, plain), (plain, whole)):
         found = compare(first, [second])
         assert found["joints"]["broke_in_either"] >= found["joints"]["broke_in_both"] > 0
@@ -425,7 +439,8 @@ def test_yade_moves_a_support_as_the_reference_solver_does(yade_command, tmp_pat
     """The left one of a pier."""
     script = REPOSITORY / "tests/yade/checks/settling_support.py"
     yade_command(script, tmp_path / "results.npz", status=0)
-    found, (layout, time_step) = np.load(tmp_path / "results.npz"), pier()
+    found = np.load(tmp_path / "results.npz")
+    (layout, time_step) = pier()
     expected = settle(ReferenceSolver(layout, time_step))
     assert_allclose(found["supports"], expected["supports"], rtol=1e-9, atol=1e-15)
     for name in ("moved", "reactions"):
@@ -456,7 +471,8 @@ def test_one_support_and_one_below_each_brick_give_the_same_wall():
 
 # --- soil -----------------------------------------------------------------------------------------
 
-SOIL, FOOTING = 1e8, 0.4
+SOIL = 1e8
+FOOTING = 0.4
 
 
 def block(length, height):
@@ -466,7 +482,8 @@ def block(length, height):
 
 def stiffness(layout):
     """Vertical and horizontal springs per length [N/m2], of soil and base joint in series."""
-    contacts, thickness = layout.contacts, layout.wall.brick.thickness
+    contacts = layout.contacts
+    thickness = layout.wall.brick.thickness
     assert np.ptp(contacts.normal_stiffness) == 0
     return contacts.normal_stiffness[0] * thickness, contacts.shear_stiffness[0] * thickness
 
@@ -499,7 +516,8 @@ def matrices(layout, weight=True, times=(1.0, 1.0)):
     the springs up and along."""
     wall = layout.wall
     up, along = np.array(stiffness(layout)) * times
-    mass, half = layout.total_mass, wall.height / 2
+    mass = layout.total_mass
+    half = wall.height / 2
     inertia = mass * (wall.length**2 + wall.height**2) / 12
     sway = along * wall.length
     rock = up * wall.length**3 / 12 - (mass * GRAVITY * half if weight else 0.0)
@@ -542,7 +560,8 @@ def test_dashpots_of_the_soil_take_energy_as_by_the_closed_form():
     assert times == approx((1800 * 3.4 * velocity / (math.pi * 0.6) / SOIL, 1800 * velocity / SOIL))
     mass, k = matrices(layout)
     damping = matrices(layout, weight=False, times=times)[1]
-    inverse, none = np.linalg.inv(mass), np.zeros((2, 2))
+    inverse = np.linalg.inv(mass)
+    none = np.zeros((2, 2))
     roots = np.linalg.eigvals(np.block([[none, np.eye(2)], [-inverse @ k, -inverse @ damping]]))
     first = roots[np.argmin(np.abs(roots))]
     history = run(layout.wall, free_vibration=True, rest=1.0, dt=1e-4, **options)
@@ -566,7 +585,8 @@ def test_the_fastest_decay_is_that_of_the_stiffest_base_by_lapack():
     """Dashpots are springs of the soil times their times."""
     wall = Wall("w", 1.0, 0.6, precompression=0.0)
     layout = lay_out(wall, ModelOptions(soil=SOIL, soil_velocity=100.0))
-    contacts, (up, along) = layout.contacts, radiation_times(layout.options)
+    contacts = layout.contacts
+    (up, along) = radiation_times(layout.options)
     ground = contacts.first < 0
     dashpots = replace(
         contacts,
@@ -615,11 +635,9 @@ def test_drift_leaves_the_rocking_of_the_base_out(run_of):
 def test_a_rotational_spring_at_the_top_carries_its_share(tmp_path):
     """A block on soil that is pushed at its centre: springs of sway and rocking, the top's, and the
     weight's moment."""
-    options, wall, spring = (
-        {"contacts": "gauss", "soil": SOIL, "footing": FOOTING},
-        block(0.6, 1.2),
-        2e6,
-    )
+    options = {"contacts": "gauss", "soil": SOIL, "footing": FOOTING}
+    wall = block(0.6, 1.2)
+    spring = 2e6
     layout = lay_out(wall, ModelOptions(**options))
     up, along = stiffness(layout)
     history = run(wall, pushover=0.01, speed=1e-4, top_rotation=spring, dt=5e-5, **options)

@@ -82,10 +82,13 @@ def pier():
 def carried(layout, now, z, across):
     """Weight [N], lateral force [N] and moment about the pier's axis [N m] of what is above a
     height, as displaced."""
-    bodies, (ux, uz) = layout.bodies, now.displacement[0, :, :2].T
-    above, order = bodies.z > z, np.argsort(bodies.z, kind="stable")
+    bodies = layout.bodies
+    (ux, uz) = now.displacement[0, :, :2].T
+    above = bodies.z > z
+    order = np.argsort(bodies.z, kind="stable")
     axis = 0.1 + np.interp(z, np.append(0.0, bodies.z[order]), np.append(0.0, ux[order]))
-    weight, lateral = GRAVITY * bodies.mass[above], -across * bodies.mass[above]
+    weight = GRAVITY * bodies.mass[above]
+    lateral = -across * bodies.mass[above]
     arm = bodies.x[above] + ux[above] - axis
     return weight.sum(), lateral.sum(), lateral @ (bodies.z[above] + uz[above] - z) + weight @ arm
 
@@ -107,11 +110,9 @@ def test_thrust_of_a_pier_passes_where_statics_says(pier):
 def test_contact_forces_carry_the_wall_and_every_brick():
     layout = lay_out(SMALL)
     now, _ = at_rest(layout)
-    history, bodies, points = (
-        as_history(layout, now.joint_stress_pa),
-        layout.bodies,
-        layout.contacts,
-    )
+    history = as_history(layout, now.joint_stress_pa)
+    bodies = layout.bodies
+    points = layout.contacts
     force = turned(layout, now, contact_forces(history, 0))
     base = points.first[: layout.n_joints] < 0
     assert force[base, 1].sum() == approx(GRAVITY * bodies.mass.sum(), rel=1e-9)
@@ -172,14 +173,13 @@ def test_thrust_of_a_flat_arch_is_the_parabola_of_its_weight():
     now, _ = at_rest(layout, steps=120000)
     table = sections_table(as_history(layout, now.joint_stress_pa), ["rest"])
     arch = table[table["part"] == "arch 1"]
-    span, per_length = (
-        4 * brick.length,
-        GRAVITY * brick.density * brick.thickness * 5 * brick.height,
-    )
+    span = 4 * brick.length
+    per_length = GRAVITY * brick.density * brick.thickness * 5 * brick.height
     assert_allclose(
         arch["place_m"].to_numpy(), brick.length + np.arange(25) * brick.height, atol=1e-9
     )
-    thrust, x = -arch["normal_force_n"].mean(), arch["place_m"].to_numpy() - 3 * brick.length
+    thrust = -arch["normal_force_n"].mean()
+    x = arch["place_m"].to_numpy() - 3 * brick.length
     assert_allclose(arch["normal_force_n"], -thrust, rtol=2e-3)
     assert_allclose(arch["shear_force_n"], per_length * x, atol=2e-3 * per_length * span)
     crown = arch["thrust_z_m"].iloc[12]
@@ -212,7 +212,9 @@ def shaken(run_of):
 
 def test_a_history_keeps_stresses_that_carry_the_wall_and_its_other_bits(shaken):
     kept, without = shaken
-    joints, series, base = kept.joints, kept.series, (kept.joints["first_body"] < 0).to_numpy()
+    joints = kept.joints
+    series = kept.series
+    base = (kept.joints["first_body"] < 0).to_numpy()
     assert (
         kept.joint_stress_pa.shape == (len(series), len(joints), 2)
         and without.joint_stress_pa is None
@@ -306,7 +308,8 @@ def test_principal_stresses(stress, principal, angle):
     assert_allclose(found, principal)
     assert direction == approx(angle)
     # the normal stress in that direction is the largest one
-    cosine, sine = np.cos(direction), np.sin(direction)
+    cosine = np.cos(direction)
+    sine = np.sin(direction)
     assert np.dot(stress, [cosine**2, sine**2, 2 * sine * cosine]) == approx(principal[0])
 
 
@@ -339,10 +342,8 @@ def test_a_bent_brick_has_the_mean_moment_of_beam_theory():
     )
     solver = solver_of(layout, 0.1)
     solver.add_static_displacement()
-    (stress, _), load = (
-        np.einsum("bpsm,bm->bps", stress_by_modes(layout), solver.system.place[:-1, 3:]),
-        GRAVITY * layout.bodies.mass[1],
-    )
+    (stress, _) = np.einsum("bpsm,bm->bps", stress_by_modes(layout), solver.system.place[:-1, 3:])
+    load = GRAVITY * layout.bodies.mass[1]
     bending = (stress[1:3, 0].mean() - stress[3:5, 0].mean()) / 2  # lower edge, upper edge
     assert bending == approx(
         0.5 * load * brick.length / 8 / (brick.thickness * brick.height**2 / 6), rel=5e-3
@@ -395,6 +396,7 @@ def test_table_of_the_middle_sections(stressed, tmp_path):
 
 
 def test_bricks_below_their_strength_or_without_one(stressed):
-    strong, none = stressed(strength=2.1e6), stressed()
+    strong = stressed(strength=2.1e6)
+    none = stressed()
     assert warn_of_splitting(strong) == warn_of_splitting(none) == []
     assert [stress_measures(one)["bricks_above_strength"] for one in (strong, none)] == [0, None]

@@ -83,7 +83,8 @@ def moved(monkeypatch):
 def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved):
     """Whatever the others are, wherever they stop, and when they begin: the ninth where one has
     ended.  The share that is simulated only grows, the static stage is a part of it."""
-    asked, shares = lines(tiny, tmp_path / "together", 10), {}
+    asked = lines(tiny, tmp_path / "together", 10)
+    shares = {}
     watch = lambda name, share: shares.setdefault(name, []).append(share)  # noqa: E731
     ended = list(run_references(asked.items(), watch=watch))
     assert sorted(ended) == sorted(dict.fromkeys(asked, 0).items())
@@ -131,7 +132,8 @@ def test_the_memory_of_a_batch_is_that_of_the_interfaces_that_failed_in_any_wall
         layout = SimpleNamespace(strain=None)
         return mock.Mock(system=SimpleNamespace(limits=limits), lanes=lanes, layout=layout)
 
-    of_points, of_others = 8 * 8 * 250, 8 * 8 * 5
+    of_points = 8 * 8 * 250
+    of_others = 8 * 8 * 5
     for walls, share in (
         ([wall(), wall()], 0.0),
         ([wall(0, 1, 2), wall(2, 3)], 0.2),
@@ -190,7 +192,8 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
     monkeypatch.setattr(rest_cache, "MOST_BYTES", 32)
-    kept, tables = RestCache(), {"place": np.zeros(1), "velocity": np.zeros(1)}
+    kept = RestCache()
+    tables = {"place": np.zeros(1), "velocity": np.zeros(1)}
     for name in "abc":
         kept.put(name, tables)
     assert list(kept._kept) == ["b", "c"]

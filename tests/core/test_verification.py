@@ -56,20 +56,29 @@ def test_yade(name):
 
 
 def test_newmark_by_plain_integration():
-    motion, angle, friction = Harmonic(0.1, 0.5, 2), math.radians(20), math.tan(math.radians(32))
-    omega, gravity = 2 * math.pi / 0.1, 9.81
-    dt, speed, way, time = 1e-6, 0.0, 0.0, 0.0
+    motion = Harmonic(0.1, 0.5, 2)
+    angle = math.radians(20)
+    friction = math.tan(math.radians(32))
+    omega = 2 * math.pi / 0.1
+    gravity = 9.81
+    dt = 1e-6
+    speed = 0.0
+    way = 0.0
+    time = 0.0
     while time < 0.3:
         base = 0.5 * gravity * math.sin(omega * time) if time <= 0.2 else 0.0
         drive = gravity * math.sin(angle) - base
         resist = gravity * math.cos(angle) * friction
         speed = max(0.0, speed + dt * (drive - resist))
-        way, time = way + dt * speed, time + dt
+        way = way + dt * speed
+        time = time + dt
     assert_allclose(sliding.newmark_slip(motion, angle, friction), way, rtol=1e-3)
 
 
 def test_quarter_period_by_plain_integration():
-    slenderness, rate, share = 0.25, 4.0, 0.6
+    slenderness = 0.25
+    rate = 4.0
+    share = 0.6
     upright = lambda t, y: y[0]  # noqa: E731
     upright.terminal = True
     solved = solve_ivp(

@@ -89,7 +89,8 @@ class TestData:
                 **dict.fromkeys(ENERGIES, "rule"),
             },
         }
-        joint, brick = wall_from(table).joint, wall_from(table).brick
+        joint = wall_from(table).joint
+        brick = wall_from(table).brick
         across = [
             1 / (1 / modulus + 1 / (stiffness * 0.06))
             for modulus, stiffness in (
@@ -139,7 +140,8 @@ class TestData:
                 jsonschema.validate(table | wrong, wall_schema())
 
     def test_a_run_of_a_python_wall_and_of_data_are_the_same(self, house):
-        one, other = lay_out(HOUSE), lay_out(load_wall(house))
+        one = lay_out(HOUSE)
+        other = lay_out(load_wall(house))
         assert np.array_equal(one.contacts.x, other.contacts.x) and np.array_equal(
             one.bodies.mass, other.bodies.mass
         )
@@ -151,7 +153,8 @@ class TestMaterials:
         found = MATERIALS[name]
         given = {} if found.tensile_strength else {"tensile_strength": 0.1e6}
         made = masonry(name, "waalformaat", **given)
-        brick, joint = made["brick"], made["joint"]
+        brick = made["brick"]
+        joint = made["joint"]
         across = 1 / (1 / brick.young_modulus + 1 / (joint.normal_stiffness * brick.height))
         assert_allclose(
             (across, math.tan(joint.friction_angle)), (found.young_modulus, found.friction)

@@ -85,7 +85,8 @@ def begin(wall, push=0.0, to_and_fro=False, spread=0.0, vertical=0.0, pga_g=2.0,
     """Start a wall that has settled."""
     wall.damp(**damping)
     deforms = wall.strain is not None
-    time_s, period_s = np.arange(600) * wall.time_step, 0.004 if deforms else 0.02
+    time_s = np.arange(600) * wall.time_step
+    period_s = 0.004 if deforms else 0.02
     base = (
         Harmonic(period_s, pga_g * (2.5 if deforms else 1.0)).base_acceleration(time_s)
         if not push
@@ -190,7 +191,8 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
 def test_a_member_that_ends_or_fails_does_not_disturb_the_others():
     """One is left out after a while, one becomes unstable by too large a time step, one is run
     alone in between."""
-    walls, reference = [make("brittle", seed) for seed in (0, 1, 2, 0)], make("brittle")
+    walls = [make("brittle", seed) for seed in (0, 1, 2, 0)]
+    reference = make("brittle")
     for wall in walls:
         wall.damp(local=0.7)
     run_together(walls, 200)
@@ -246,7 +248,8 @@ def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
 )
 def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, field):
     """Columns that a batch takes from its first wall are equal in all walls."""
-    one, other = make("brittle"), make("brittle")
+    one = make("brittle")
+    other = make("brittle")
     getattr(other.system, table)[field][0] *= 1.5
     with pytest.raises(ValueError, match="other bricks"):
         run_together([one, other], 1)
@@ -310,7 +313,8 @@ def test_calls_of_the_step_leave_nothing_in_memory():
 def operations(n, numbers, out):
     """Write what each operation gives of x and y into a field of its own, those that a lane decides
     last; returns flags as bits."""
-    x, y = load(n, numbers, 0, 0), load(n, numbers, 0, 1)
+    x = load(n, numbers, 0, 0)
+    y = load(n, numbers, 0, 1)
     results = (
         x + y + 1.0,
         1.0 - x - y,
@@ -344,7 +348,8 @@ def test_an_operation_on_eight_numbers_is_that_on_each_by_itself():
     numbers = np.random.default_rng(1).normal(0, 1, (1, 2, 8)) * np.geomspace(1e-8, 1e8, 8)
     numbers[0, 0, 2:6] = 0.0, -0.0, 1e300, 0.5
     numbers[0, 1, 5:7] = 0.5, numbers[0, 0, 6]
-    compiled, of_lane = njit(error_model="numpy")(operations), 2
+    compiled = njit(error_model="numpy")(operations)
+    of_lane = 2
 
     def results(n, given):
         made, plain = (np.zeros((1, 16, given.shape[2])) for _ in range(2))
@@ -427,7 +432,8 @@ CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-
 def all_results(n_walls):
     """{case and quantity: array} of the first of so many walls in all CASES, also of deformable
     bricks; of a wall by itself one that falls, too."""
-    results, rigid = {}, lay_out(SMALL)
+    results = {}
+    rigid = lay_out(SMALL)
     deformable = lay_out(SMALL, ModelOptions(bricks="deformable", contacts="gauss"))
     falls = [(fallen, {"new_contacts": True}, rigid, "")] if n_walls == 1 else []
     for case, options, layout, label in (
@@ -464,7 +470,8 @@ def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, n_walls):
         f"numpy.savez({str(tmp_path / 'plain.npz')!r}, **t.all_results({n_walls}))",
         NUMBA_DISABLE_JIT="1",
     )
-    plain, compiled = np.load(tmp_path / "plain.npz"), all_results(n_walls)
+    plain = np.load(tmp_path / "plain.npz")
+    compiled = all_results(n_walls)
     assert set(compiled["shaken_events"][:, 2]) == {1, 2, 3, 4}  # tension, shear, opened, slipped
     assert set(plain) == set(compiled)
     for name, value in compiled.items():

@@ -131,7 +131,8 @@ class TestFullDisk:
         refused_with(r"0\.5 MB free", check_output, tmp_path / "run.h5")
 
     def test_a_file_of_a_command_is_whole_or_not_there(self, history, tmp_path, damage_command):
-        out, little = tmp_path / "out", limited(resource.RLIMIT_FSIZE, 100)
+        out = tmp_path / "out"
+        little = limited(resource.RLIMIT_FSIZE, 100)
         done = damage_command("tables run", history, "--out", out / "t", **little)
         one_error(done, "cannot write")
         assert list(out.iterdir()) == []

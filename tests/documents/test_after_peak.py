@@ -41,7 +41,8 @@ def test_enough_draws_narrow_the_median_to_five_percent(deviation):
 
 def test_weaker_head_joints_have_their_share_of_the_strengths():
     layout = lay_out(Wall("w", length=0.9, height=0.3))
-    bonded, head = ~layout.contacts.elastic, layout.contacts.kind == HEAD
+    bonded = ~layout.contacts.elastic
+    head = layout.contacts.kind == HEAD
     weak = after_peak.weaker_heads(layout.wall, layout.contacts, (0.0, 0))
     assert 0 < head.sum() < bonded.sum()
     for name in ("tensile_strength", "cohesion"):
@@ -53,7 +54,8 @@ def test_weaker_head_joints_have_their_share_of_the_strengths():
 def test_the_table_of_tests_alone_makes_the_predicted_walls(name):
     """The rules of docs/guides/tested-wall.md; bricks of the wall's exact length and height differ
     by up to 0.5 %."""
-    made, shipped = after_peak.tested_wall(SPECIMENS[name]), wall_by(name, PREDICTION)
+    made = after_peak.tested_wall(SPECIMENS[name])
+    shipped = wall_by(name, PREDICTION)
     assert made.courses == shipped.courses
     assert_same_numbers(made, shipped, 6e-3)
 

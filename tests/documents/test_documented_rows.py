@@ -12,7 +12,8 @@ from damage.reference.session import run_references
 from damage.run.options import words_of
 from paper import document_figures, thirty_years
 
-SINE, STRONG = "symmetric_harmonic-0.2-0.025", "_window-0.8-2.5_rest-0.1_strength-cov-0.3"
+SINE = "symmetric_harmonic-0.2-0.025"
+STRONG = "_window-0.8-2.5_rest-0.1_strength-cov-0.3"
 ROWS = {
     "harmonic": "asymmetric_harmonic-0.2-0.025_rest-2",
     "nolintel": "symmetric_harmonic-0.06-0.1_lintel-none_rest-2",
@@ -53,7 +54,9 @@ MEASURES = [
 BEFORE = {"published", "fragility", "stations", "settlement", "sensitivity"}
 """Made before inputs were rounded (CHANGELOG, 0.2.0): members of the same ensembles, in two
 digits."""
-DIGITS, TWO_DIGITS = 1e-8, 0.05  # relative; tables have nine
+# relative; tables have nine
+DIGITS = 1e-8
+TWO_DIGITS = 0.05
 
 
 @pytest.mark.parametrize(
@@ -62,7 +65,8 @@ DIGITS, TWO_DIGITS = 1e-8, 0.05  # relative; tables have nine
 def test_the_first_member_lies_in_the_range_that_its_row_gives_of_all(study, tmp_path, monkeypatch):
     """A row of a single run gives the values themselves."""
     monkeypatch.chdir(REPOSITORY)
-    point, out = (ROWS | LONGER)[study], tmp_path / "run.h5"
+    point = (ROWS | LONGER)[study]
+    out = tmp_path / "run.h5"
     table = pd.read_csv(REPOSITORY / f"docs/tables/{study}_points.csv")
     row = table[(table["point"] == point) & (table["solver"] == "reference")].squeeze()
     runs = load_study(REPOSITORY / f"studies/{study}.toml", "reference").runs

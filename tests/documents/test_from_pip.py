@@ -63,7 +63,8 @@ def test_the_notebook_runs(tmp_path, monkeypatch):
     path = GUIDES / "notebook.ipynb"
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     assert path.stat().st_size < 100_000 and not any(cell.get("outputs") for cell in cells)
-    names, out = {}, io.StringIO()
+    names = {}
+    out = io.StringIO()
     with redirect_stdout(out):
         for cell in cells:
             if cell["cell_type"] == "code":
@@ -82,7 +83,8 @@ class TestNames:
     @pytest.mark.parametrize("name", shipped_files("walls", ".py"))
     def test_a_new_wall_is_the_one_that_ships_but_for_its_name(self, tmp_path, name):
         path = new_wall(tmp_path / "mine", name)
-        mine, theirs = load_wall(path).as_dict(), load_wall(name).as_dict()
+        mine = load_wall(path).as_dict()
+        theirs = load_wall(name).as_dict()
         assert mine.pop("name") == "mine" and theirs.pop("name") == name
         assert mine == theirs and "yade" not in path.read_text().lower()
 
@@ -95,7 +97,8 @@ class TestRun:
     def test_in_memory_in_a_file_and_by_the_command_are_equal(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         new_wall("w.py", "solid")
-        in_memory, in_file = damage.run("w.py", **SHORT), damage.run("w.py", **SHORT, out="a.h5")
+        in_memory = damage.run("w.py", **SHORT)
+        in_file = damage.run("w.py", **SHORT, out="a.h5")
         words = "w.py --harmonic 0.05 0.1 --cycles 1 --rest 0 --no-pictures --quiet --out b.h5"
         assert main(["reference", *words.split()]) == 0
         for other in (in_file, damage.read_history("b.h5")):

@@ -57,7 +57,8 @@ def row(run, wall, **columns):
 
 
 def harmonic_row(wall, period, number, cycles=3, **columns):
-    amplitude, resonant = AMPLITUDES_G[number], period == 0.2
+    amplitude = AMPLITUDES_G[number]
+    resonant = period == 0.2
     di = 0.3 * amplitude if wall == "solid" else MAX_DI[period][number]
     drift = (0.0, 0.0, 0.05, 0.07, 0.09)[number] if resonant else 0.0
     return row(
@@ -222,7 +223,8 @@ def test_kept_tables_say_what_the_runs_said(papers_world, judged, tmp_path):
     """Medians of three members each, with ranges and numbers of runs; two of one point's members
     fell."""
     numbers = [name for name in papers_world if name.startswith(("max_", "residual_", "energy_"))]
-    members, cycles = [], {}
+    members = []
+    cycles = {}
     for seed, factor in enumerate((0.96, 1.0, 1.05)):
         member = papers_world.assign(
             point=papers_world["run"], run=papers_world["run"] + f"_s{seed}"

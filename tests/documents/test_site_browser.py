@@ -31,7 +31,8 @@ def site(tmp_path_factory):
 
 
 def test_every_page_opens_without_an_error_or_a_warning(driver, site):
-    faults, address = {}, site.as_uri()
+    faults = {}
+    address = site.as_uri()
     names = sorted(path.relative_to(site).as_posix() for path in site.rglob("*.html"))
     assert len(names) > 40
     driver.get("about:blank")

@@ -113,7 +113,8 @@ def test_a_trend_that_is_held_is_the_best_of_those_nowhere_negative(y):
     up to 1, as its solver violates constraints by an absolute amount."""
     x = np.linspace(0.03, 0.2, 12)
     trend, held = nonnegative_parabola(x, y)
-    t, along = (x - 0.03) / 0.17, np.linspace(0, 1, 401)
+    t = (x - 0.03) / 0.17
+    along = np.linspace(0, 1, 401)
     assert held and trend(0.03 + 0.17 * along).min() >= 0
     unit = y / np.max(np.abs(y))
     best = minimize(

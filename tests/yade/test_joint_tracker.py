@@ -29,7 +29,8 @@ KINDS = {TENSION: "tension", SHEAR: "shear"}
 def follow_both(path, every):
     """Drive joint 0 by the law in every step and the tracker by samples; returns both."""
     layout = lay_out(Wall("small", 0.45, 0.15))
-    tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
+    tracker = JointTracker(layout, 1e-4)
+    contacts = layout.contacts
     joint = layout.wall.joint
     law = LawParameters(
         contacts.normal_stiffness[0],
@@ -38,7 +39,9 @@ def follow_both(path, every):
         joint.cohesion,
         material_of(joint),
     )
-    state, shear, events = ContactState(), 0.0, []
+    state = ContactState()
+    shear = 0.0
+    events = []
     for step, (opening, target) in enumerate(path):
         trial = state.shear_stress + law.shear_stiffness * (target - shear)
         state, event = advance(opening, target - shear, state, law)
@@ -77,8 +80,10 @@ def test_slip_work_and_flags_follow_the_law(every):
 def test_friction_work_is_of_the_mean_stress_and_slip_is_said_beyond_the_threshold():
     """Of 0.1 mm, by a joint that slides to 0.08 and to 0.12 mm while its pressure halves twice."""
     layout = lay_out(Wall("small", 0.45, 0.15))
-    tracker, first = JointTracker(layout, 1e-4), np.array([0])
-    stiffness, limit = tracker.shear_stiffness[0], 0.1e6 * tracker.friction[0]
+    tracker = JointTracker(layout, 1e-4)
+    first = np.array([0])
+    stiffness = tracker.shear_stiffness[0]
+    limit = 0.1e6 * tracker.friction[0]
     tracker.breaks(0, "shear", -0.1e6, 0.3e6)
     news = [
         tracker.sample(
@@ -95,8 +100,10 @@ def test_the_shear_that_a_joint_holds_when_it_opens_is_dissipated_once():
     """Broken in shear under 0.1 MPa it holds tau = 0.1 tan phi MPa, whose elastic energy is tau^2 /
     2 k_s an area."""
     layout = lay_out(Wall("small", 0.45, 0.15))
-    tracker, contacts = JointTracker(layout, 1e-4), layout.contacts
-    stiffness, tau = contacts.shear_stiffness[0], 0.1e6 * tracker.friction[0]
+    tracker = JointTracker(layout, 1e-4)
+    contacts = layout.contacts
+    stiffness = contacts.shear_stiffness[0]
+    tau = 0.1e6 * tracker.friction[0]
     tracker.breaks(0, "shear", -0.1e6, 0.3e6)
     before = tracker.friction_energy
     list(
@@ -111,8 +118,10 @@ def test_a_joint_whose_faces_no_longer_overlap_keeps_what_it_had():
     """Half a brick stands on the left one below, over 0.1125 m; the tip has left its face before:
     the opening seen is across the joint."""
     layout = lay_out(Wall("small", 0.45, 0.15))
-    bodies, contacts = layout.bodies, layout.contacts
-    tracker, joint = JointTracker(layout, 1e-4), int(np.flatnonzero(contacts.first == 0)[0])
+    bodies = layout.bodies
+    contacts = layout.contacts
+    tracker = JointTracker(layout, 1e-4)
+    joint = int(np.flatnonzero(contacts.first == 0)[0])
     least = (
         bodies.x[0] - bodies.length[0] / 2 - (bodies.x + bodies.length / 2)[contacts.second[joint]]
     )
@@ -141,7 +150,8 @@ def test_no_joint_ends_on_a_slab_that_lies_on_two_walls():
     walls = [Placed(replace(wall, name=name), (0, y)) for name, y in (("a", 0), ("b", 1))]
     slab = Diaphragm(0.6, ("a", "b"), 300, "concrete")
     layout = lay_out_house(House("pair", walls, floors=[slab]))
-    tracker, every = JointTracker(layout, 1e-4), np.arange(layout.n_joints)
+    tracker = JointTracker(layout, 1e-4)
+    every = np.arange(layout.n_joints)
     for joint in every:
         tracker.breaks(joint, "shear", -1e4, 1e5)
     tracker.sample(every, *np.outer([-1e-6, 2e-3, 0.0], np.ones(len(every))))

@@ -35,7 +35,9 @@ def yades_servers():
     """A prompt and an information server, each with its thread, as YADE starts them."""
     gc.collect()  # servers of the tests before, which are found otherwise
     prompt = socketserver.ThreadingTCPServer(("127.0.0.1", 0), Prompt)
-    prompt.cookie, prompt.executed, prompt.daemon_threads = "yadesu", [], True
+    prompt.cookie = "yadesu"
+    prompt.executed = []
+    prompt.daemon_threads = True
     informer = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
     threads = [
         threading.Thread(target=server.serve_forever, daemon=True) for server in (prompt, informer)

@@ -19,7 +19,8 @@ PIER = (
     "Wall('pier', 0.1125, 0.225, precompression=0.0, joint=Joint(tensile_strength=0.0,"
     " cohesion=0.0))"
 )
-SPEED, EASE_S = 1.0, 0.1
+SPEED = 1.0
+EASE_S = 0.1
 """Of the push [m/s]; how long it takes to start [s], over which half the distance is lost."""
 
 

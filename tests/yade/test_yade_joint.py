@@ -13,7 +13,9 @@ from verification import softening
 
 pytestmark = pytest.mark.yade
 
-FT, C, ANGLE = 0.21e6, 0.24e6, math.radians(32)
+FT = 0.21e6
+C = 0.24e6
+ANGLE = math.radians(32)
 MU = math.tan(ANGLE)
 BRITTLE = {
     "tensile_strength": FT,
@@ -24,7 +26,8 @@ BRITTLE = {
 }
 PAIR = softening.pair(**BRITTLE)
 BETWEEN = softening.between(PAIR)
-KN, KS = PAIR.contacts.normal_stiffness[BETWEEN], PAIR.contacts.shear_stiffness[BETWEEN]
+KN = PAIR.contacts.normal_stiffness[BETWEEN]
+KS = PAIR.contacts.shear_stiffness[BETWEEN]
 PRESSURES = {"0": 0.0, "0.1": 0.1e6, "0.3": 0.3e6, "1": 1.0e6}  # [Pa]
 
 TOLERANCE = 2e-3

@@ -82,7 +82,8 @@ def test_damping_that_closes_yades_balance_is_lost_energy(runs):
     check."""
     _, histories = runs
     yade, reference = (histories[solver].series for solver in ("yade", "reference"))
-    lost, work = yade.damping_energy_j.to_numpy(), yade.input_energy_j.iloc[-1]
+    lost = yade.damping_energy_j.to_numpy()
+    work = yade.input_energy_j.iloc[-1]
     assert np.max(np.maximum.accumulate(lost) - lost) < 1e-3 * work
     assert_allclose(lost[-1], reference.damping_energy_j.iloc[-1], atol=0.01 * work)
     assert_allclose(work, reference.input_energy_j.iloc[-1], rtol=0.03)
@@ -163,9 +164,14 @@ def test_a_toe_crushes_alike(tmp_path, in_both):
     lengths may differ by it.
     """
     path = wall_file(tmp_path / "toe.py", TOE)
-    found, crushed, thickness, length, height = [], [], 0.1025, 0.45, 0.9
+    found = []
+    crushed = []
+    thickness = 0.1025
+    length = 0.45
+    height = 0.9
     for history in in_both(tmp_path, path, "--pushover 0.3 --speed 5e-3", reference=LOCAL).values():
-        summary, force = summarise(history), history.series["base_shear_n"].to_numpy()
+        summary = summarise(history)
+        force = history.series["base_shear_n"].to_numpy()
         late = history.series["drift_ratio"] > 1e-3
         found.append(
             [
@@ -200,7 +206,8 @@ def test_a_spreader_beam_keeps_the_ratio_of_its_forces(tmp_path, in_both):
 def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
     words = "walls/triplet.toml --pushover 0.05 --speed 4e-5"
     for history in in_both(tmp_path, words, reference=LOCAL).values():
-        wall, force = history.masonry_wall, history.series["top_force_n"]
+        wall = history.masonry_wall
+        force = history.series["top_force_n"]
         stresses = np.array([force.max(), force.iloc[-20:].mean()]) / (2 * 0.21 * 0.1)
         slides = np.tan(wall.joint.friction_angle) * wall.precompression
         assert_allclose(stresses, [slides + wall.joint.cohesion, slides], rtol=0.01)

@@ -142,11 +142,9 @@ def ended(request, tmp_path_factory, yade_command):
     history."""
     command, number = request.param
     folder = tmp_path_factory.mktemp("ended")
-    wall, out, log = (
-        wall_file(folder / "tiny.py", "Wall('small', 0.45, 0.15)"),
-        folder / "tiny.h5",
-        folder / "log",
-    )
+    wall = wall_file(folder / "tiny.py", "Wall('small', 0.45, 0.15)")
+    out = folder / "tiny.h5"
+    log = folder / "log"
     with (
         log.open("w") as file,
         subprocess.Popen(
@@ -159,7 +157,8 @@ def ended(request, tmp_path_factory, yade_command):
         ) as child,
     ):
         try:
-            before, deadline = set(), time.monotonic() + 300
+            before = set()
+            deadline = time.monotonic() + 300
             while time.monotonic() < deadline and count_samples(out) == 0:
                 before.update(listening(child.pid))
                 time.sleep(0.02)
@@ -203,7 +202,8 @@ SPANDREL = "Wall('spandrel', 2.925, 0.525, [Opening(0.45, 2.025, 0.225)], precom
 
 @pytest.mark.long
 def test_a_fallen_spandrel_ends_the_run_as_collapsed(yade_command, tmp_path):
-    out, wall = tmp_path / "none.h5", wall_file(tmp_path / "spandrel.py", SPANDREL)
+    out = tmp_path / "none.h5"
+    wall = wall_file(tmp_path / "spandrel.py", SPANDREL)
     done = yade_command(
         *SHORT,
         wall,

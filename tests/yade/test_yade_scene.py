@@ -160,7 +160,8 @@ def test_a_scene_that_was_changed_by_hand_says_so(found):
     _, scene, slid, weakened = found
     assert "changed_by_hand" not in scene["codes"]
     assert slid["changed"] == f"tanFrictionAngle of bonds ({slid['bonds']})"
-    in_memory, in_a_file = weakened[:2], weakened[2:]
+    in_memory = weakened[:2]
+    in_a_file = weakened[2:]
     assert in_memory == in_a_file
     said, codes = in_memory
     assert said == "FnMax of bonds (1), masses of bricks (1)" and "changed_by_hand" in codes

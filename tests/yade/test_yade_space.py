@@ -48,7 +48,8 @@ def turned(yade_command, tmp_path_factory):
 
 
 def test_a_house_of_one_wall_moves_as_the_wall(turned):
-    wall, house = turned["wall"], turned["house"]
+    wall = turned["wall"]
+    house = turned["house"]
     drift = [one.series["drift_ratio"].abs().max() for one in (wall, house)]
     shear = [one.series["base_shear_n"].abs().max() for one in (wall, house)]
     assert_allclose(drift[1], drift[0], rtol=0.02)
@@ -82,12 +83,14 @@ def test_a_wall_of_a_house_is_read_in_its_plane(turned, damage_command):
 def test_bodies_stand_apart_in_space_by_what_their_joints_have_opened(turned):
     """The opening of a contact point is the distance of its two sides along its normal; that of the
     history counts from the unloaded wall, bodies from the end of the static stage."""
-    house, space = turned["house"], InSpace(turned["house"])
+    house = turned["house"]
+    space = InSpace(turned["house"])
     snapshot = int(np.argmax(np.abs(house.displacement[..., 0]).max(axis=1)))
     sample = int(np.abs(house.series["time_s"] - house.snapshot_time_s[snapshot]).argmin())
     opened = np.flatnonzero(house.opening_m[sample] > 1e-5)
     assert len(opened) > 3
-    joints, wall = house.joints.iloc[opened], house.house.joint_wall[opened]
+    joints = house.joints.iloc[opened]
+    wall = house.house.joint_wall[opened]
     places = np.stack([joints["x_m"], house.house.joint_y_m[opened], joints["z_m"]], axis=1)
     places = house.placing.in_house(wall, places[:, None])
     first, second = (space.moved(body, places, snapshot) for body in space.joint_bodies[opened].T)
@@ -121,7 +124,8 @@ def test_a_box_with_floors_stays_symmetric_and_keeps_energy_and_momentum(yade_co
 def continued(yade_command, whole, words, *times):
     """Tables of the last checkpoint [s] at which a run was killed: what it continues to has the
     bits of the run at `whole`."""
-    cut, place = whole.with_name("cut.h5"), "--out"
+    cut = whole.with_name("cut.h5")
+    place = "--out"
     for time_s in times:
         done = yade_command(*BRIEF, f"KILLED_AT={time_s}", *words, place, cut)
         assert done.returncode == -signal.SIGKILL
@@ -155,7 +159,8 @@ def test_a_house_with_corners_and_floors_continues_to_the_same_bits(yade_command
     for name, base in (("front", "whole"), ("side", "half")):
         text = f'name = "{name}"\nbase_course = "{base}"\n{size}{brick}{joint}'
         written(tmp_path / f"{name}.toml", text)
-    text, walls = 'name = "house"\nheading = 30\n', '["front", "side", "right"]'
+    text = 'name = "house"\nheading = 30\n'
+    walls = '["front", "side", "right"]'
     for name, x in (("side", 0.1), ("right", 1.1)):
         text += f'[[walls]]\nfile = "side.toml"\nname = "{name}"\norigin = [{x}, -0.1]\n'
         text += f'direction = 90\n[[corners]]\nwalls = ["front", "{name}"]\nkind = "toothed"\n'
@@ -231,7 +236,8 @@ def cavity(tmp_path):
 
 def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path):
     house = cavity(tmp_path)
-    motion, out = "--harmonic 0.04 0.4 --cycles 1 --rest 0.01 --no-pictures", tmp_path / "cavity.h5"
+    motion = "--harmonic 0.04 0.4 --cycles 1 --rest 0.01 --no-pictures"
+    out = tmp_path / "cavity.h5"
     yade_command(*SHORT, DATA, house, motion, "--out", out, status=0)
     history = read_history(out)
     assert history.house.failed_ties[0] == 0
@@ -244,7 +250,8 @@ def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path)
 def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(yade_command):
     """In the head joint at the middle of its top, where a plate on three sides bends most."""
     found = _check(yade_command, "bonded")
-    one, other = found["yade"], found["elastic"]
+    one = found["yade"]
+    other = found["elastic"]
     assert_allclose(one.pop("multiplier"), other.pop("multiplier"), rtol=0.03)
     assert one == other
     assert found["kind"] == "tension"
@@ -256,7 +263,8 @@ def test_a_motion_in_space_is_the_same_whichever_way_its_components_are_named(
 ):
     """North and then west, or west and then south for a house whose heading is a right angle
     further; upwards it is the same."""
-    time, found = 0.005 * np.arange(13), []
+    time = 0.005 * np.arange(13)
+    found = []
     waves = [size * np.sin(2 * np.pi * time / 0.06) for size in (2.0, 1.0, 0.5)]
     words = {"north": waves[0], "south": -waves[0], "west": waves[1], "up": waves[2]}
     for name, wave in words.items():
@@ -296,10 +304,12 @@ def test_a_push_on_a_slab_meets_the_elastic_stiffness_in_its_direction(yade_comm
     walls = ['[[walls]]\nfile = "a.toml"\n', 'name = "b"\norigin = [0, 1.0]\n']
     slab = 'level = 0.8\nkind = "concrete"\nwalls = ["a", "b"]\nmass_per_area = 300\n'
     text = f'name = "pair"\nheading = 30\n{walls[0]}{walls[0]}{walls[1]}[[floors]]\n{slab}'
-    path, out = written(tmp_path / "house.toml", text), tmp_path / "pair.h5"
+    path = written(tmp_path / "house.toml", text)
+    out = tmp_path / "pair.h5"
     push = ("--pushover 0.002 --floor-share 0.8 1.0 --no-pictures --out", out)
     yade_command(*SHORT, DATA, path, *push, status=0)
-    history, layout = read_history(out), lay_out_house(read_house(path))
+    history = read_history(out)
+    layout = lay_out_house(read_house(path))
     shares = layout.push_shares([(0.8, 1.0)])
     along, across, up = layout.of_body.transpose(1, 0, 2) @ [np.sqrt(0.75), 0.5, 0.0]
     force = np.zeros((len(shares), 6))

@@ -50,7 +50,8 @@ def read_tests(path):
     table = read_csv(path, COLUMNS, ("specimen", "normal_stress_mpa"))
     table.refuse_empty("specimen", "normal_stress_mpa")
     rows = table.rows
-    sheared, opened = rows["shear_stress_mpa"].notna(), rows["opening_mm"].notna()
+    sheared = rows["shear_stress_mpa"].notna()
+    opened = rows["opening_mm"].notna()
     table.refuse(
         ~(sheared ^ opened), "expected opening_mm of a couplet, or shear_stress_mpa of a triplet"
     )
@@ -65,14 +66,16 @@ def rows_of(history):
     """The same rows of a pushed History of one course of rigid bricks: a triplet where a restraint
     holds its top, else a couplet.  What half a brick deforms is taken off, as a laboratory does.
     Raises InputError for another wall."""
-    wall, series = history.masonry_wall, history.series
+    wall = history.masonry_wall
+    series = history.series
     pushed_loading(history)
     if wall.courses != 1 or wall.openings:
         raise InputError(
             f"{history.path} is of wall {wall.name}: expected a couplet or a triplet, a wall of one"
             " course; copy walls/triplet.toml"
         )
-    brick, area = wall.brick, wall.length * wall.brick.thickness
+    brick = wall.brick
+    area = wall.length * wall.brick.thickness
     if top_of(wall):
         shear = series["top_force_n"] / (2 * area)
         slip = series["top_displacement_m"] - shear * brick.height / 2 / brick.shear_modulus
@@ -116,7 +119,8 @@ def calibrated(tests):
         "normal_stiffness": _stiffness(couplets, "normal_stress_mpa", "opening_mm"),
         "shear_stiffness": _stiffness(triplets, "shear_stress_mpa", "slip_mm"),
     }
-    found, notes = {name: one for name, one in found.items() if one}, []
+    found = {name: one for name, one in found.items() if one}
+    notes = []
     if len(triplets):
         line, notes = _mohr_coulomb(triplets)
         found |= line
@@ -165,7 +169,8 @@ def _stiffness(rows, stress, displacement):
             slopes.append(slope * MPA / MILLIMETRE)
     if not slopes:
         return None
-    mean, several = np.mean(slopes), len(slopes) > 1
+    mean = np.mean(slopes)
+    several = len(slopes) > 1
     deviation = np.std(slopes, ddof=1) if several else None
     error = deviation / np.sqrt(len(slopes)) if several else None
     return _value(mean, error, deviation / mean if several else None, len(slopes))
@@ -175,7 +180,8 @@ def _mohr_coulomb(triplets):
     """Cohesion and friction from the peaks of triplets, a line by least squares, and notes."""
     peaks = triplets.assign(shear_stress_mpa=triplets["shear_stress_mpa"].abs()).groupby("specimen")
     rows = triplets.loc[peaks["shear_stress_mpa"].idxmax()]
-    normal, shear = -rows["normal_stress_mpa"], rows["shear_stress_mpa"].abs()
+    normal = -rows["normal_stress_mpa"]
+    shear = rows["shear_stress_mpa"].abs()
     levels = (normal / normal.max()).round(1).value_counts()
     if len(levels) < 2 or len(rows) < 3:
         raise InputError(
@@ -214,7 +220,8 @@ def describe(found):
     for name, one in found.items():
         if name == "notes":
             continue
-        error, scatter = one["standard_error"], one["scatter"]
+        error = one["standard_error"]
+        scatter = one["scatter"]
         said = [counted(one["specimens"], "specimen")]
         said += [] if error is None else [f"standard error {error:.2g}"]
         said += [] if scatter is None else [f"scatter {100 * scatter:.2g} %"]

@@ -34,7 +34,8 @@ ULTIMATE_DRIFT_NOTE = (
 )
 """What a simulated ultimate drift is worth: of the ten shear walls of
 docs/tables/shear_walls_prediction.csv and of COMP2_5, predicted before their results were seen."""
-WINDOWS, FAR_ENOUGH = 200, 0.99
+WINDOWS = 200
+FAR_ENOUGH = 0.99
 """Windows up to the largest drift over which the curve of a push is averaged; share of a drift that
 counts as it."""
 
@@ -72,7 +73,8 @@ def backbone(history, sign=1):
     begin with that force.
     """
     force, drift = (sign * values for values in since_the_push(history)[:2])
-    edges, points = cycle_edges(history), [0.0]
+    edges = cycle_edges(history)
+    points = [0.0]
     rows = []
     for start, end in zip(edges, edges[1:]):
         for values in (force, drift):
@@ -176,17 +178,16 @@ def capacity(history, to=None):
     ULTIMATE_SHARE of the peak; failure: `mode_shares` up to the ultimate drift;
     ultimate_drift_note: how far predicted ones were off.
     """
-    height, curves = history.attributes["drift_height_m"], loaded_curves(history).values()
+    height = history.attributes["drift_height_m"]
+    curves = loaded_curves(history).values()
     lines = [bilinear(curve, height) for curve in curves]
     found = {name: float(np.mean([line[name] for line in lines])) for name in lines[0]}
     peaks = np.mean(
         [curve.loc[curve["force_n"].idxmax(), ["force_n", "drift_ratio"]] for curve in curves],
         axis=0,
     )
-    to, farthest = (
-        to or found["ultimate_drift"],
-        min(float(curve["drift_ratio"].max()) for curve in curves),
-    )
+    to = to or found["ultimate_drift"]
+    farthest = min(float(curve["drift_ratio"].max()) for curve in curves)
     there = [
         (mean_force(curve, to), np.interp(to, curve["drift_ratio"], curve["force_n"]))
         for curve in curves
@@ -232,7 +233,8 @@ def cycle_edges(history):
 
     A run that stopped early has its completed cycles.  Raises InputError for another loading.
     """
-    loading, time_s = pushed_loading(history), history.series["time_s"]
+    loading = pushed_loading(history)
+    time_s = history.series["time_s"]
     if "follows" not in history.parameters["loading"]:
         raise InputError(
             f"{history.path}: an earlier version moved its top by the drift times the top's own"
@@ -256,9 +258,11 @@ def cycles_table(history):
     of largest drift in either direction, not a running maximum.  Raises InputError for another
     loading.
     """
-    loading, index = pushed_loading(history), history.index()
+    loading = pushed_loading(history)
+    index = history.index()
     force, drift, _ = since_the_push(history)
-    edges, rows = cycle_edges(history), []
+    edges = cycle_edges(history)
+    rows = []
     for number, (start, end) in enumerate(zip(edges, edges[1:])):
         inside = slice(start, end + 1)
         ends = start + int(np.argmax(drift[inside])), start + int(np.argmin(drift[inside]))
@@ -284,14 +288,19 @@ def mode_shares(history, until=np.inf):
     mode: "flexure" where opened_m2 is at least slipped_m2, else "shear, diagonal" where stair_share
     is at least STAIR_SHARE, else "shear, sliding"; None where no bed joint opened or slipped.
     """
-    joints, brick = history.joints, history.masonry_wall.brick
+    joints = history.joints
+    brick = history.masonry_wall.brick
     drift = since_the_push(history)[1]
     sample = int(np.argmax(np.where(np.abs(drift) <= until, np.abs(drift), -1.0)))
-    opening, slip = history.opening_m[sample], np.abs(history.slip_by("displacement")[sample])
-    length, bed = joints["length_m"].to_numpy(), (joints["kind"] == "bed").to_numpy()
-    slipped, opened = bed & (slip > THRESHOLD), bed & (opening > THRESHOLD)
+    opening = history.opening_m[sample]
+    slip = np.abs(history.slip_by("displacement")[sample])
+    length = joints["length_m"].to_numpy()
+    bed = (joints["kind"] == "bed").to_numpy()
+    slipped = bed & (slip > THRESHOLD)
+    opened = bed & (opening > THRESHOLD)
     risers = (joints["kind"] == "head").to_numpy() & (opening > THRESHOLD)
-    x, z = joints["x_m"].to_numpy(), joints["z_m"].to_numpy()
+    x = joints["x_m"].to_numpy()
+    z = joints["z_m"].to_numpy()
     beside = (np.abs(x[slipped, None] - x[risers]) < brick.length / 2 * (1 - 1e-6)) & (
         np.abs(z[slipped, None] - z[risers]) < brick.height / 2 * (1 + 1e-6)
     )
@@ -326,14 +335,19 @@ def hand_capacities(history):
     stress.  Empty for a wall with an outline, floors or restraints.  Raises InputError for another
     loading.
     """
-    wall, fixed = history.masonry_wall, pushed_loading(history).boundary == "fixed"
+    wall = history.masonry_wall
+    fixed = pushed_loading(history).boundary == "fixed"
     if wall.outline or wall.floors or wall.restraints:
         return {}
-    brick, joint = wall.brick, wall.joint
-    height, area = history.attributes["height_m"], wall.length * brick.thickness
+    brick = wall.brick
+    joint = wall.joint
+    height = history.attributes["height_m"]
+    area = wall.length * brick.thickness
     course = brick.density * GRAVITY * area * brick.height
-    above, weight = wall.precompression * area, course * height / brick.height
-    arm, friction = wall.length / 2 - brick.length / 8, float(np.tan(joint.friction_angle))
+    above = wall.precompression * area
+    weight = course * height / brick.height
+    arm = wall.length / 2 - brick.length / 8
+    friction = float(np.tan(joint.friction_angle))
     middle = (above + weight / 2) / area
     stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
     rocking = (

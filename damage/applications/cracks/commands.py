@@ -45,16 +45,15 @@ def _cycles(asked):
     from damage.applications.cracks.loops import read_loops
 
     tests = [path for path in asked.files if path.suffix.lower() == ".csv"]
-    runs, to = [path for path in asked.files if path not in tests], asked.to and asked.to / 100
+    runs = [path for path in asked.files if path not in tests]
+    to = asked.to and asked.to / 100
     if tests and len(runs) > 1:
         raise InputError(
             f"cycles with {tests[0]}: expected one history beside it, got {len(runs)}; leave out"
             " the others"
         )
-    loops, histories = (
-        [loop for path in tests for loop in read_loops(path)],
-        map(read_history, runs),
-    )
+    loops = [loop for path in tests for loop in read_loops(path)]
+    histories = map(read_history, runs)
     if not runs:
         show(asked, loops, pushed.describe_loops)
     elif len(runs) == 1:
@@ -166,7 +165,8 @@ def _compare(asked):
     if any(path.suffix.lower() == ".csv" for path in paths):
         _compare_survey(asked, paths)
         return
-    first, others = read_history(asked.first), [read_history(path) for path in asked.others]
+    first = read_history(asked.first)
+    others = [read_history(path) for path in asked.others]
     result = compare(first, others)
     if asked.out:
         from damage.applications.cracks.compare_picture import compare_picture
@@ -199,7 +199,8 @@ def _compare_survey(asked, paths):
                 " in toothed corners are of the other wall; give a wall by itself"
             )
         survey = read_survey(surveys[0], layout)
-        opening, offset = history.opening_m[-1], history.slip_by("displacement")[-1]
+        opening = history.opening_m[-1]
+        offset = history.slip_by("displacement")[-1]
         found.append({"run": str(history.path)} | beside(survey, opening, offset, layout))
     show(
         asked,

@@ -108,7 +108,8 @@ def cycle_length(series):
 
 
 def _compare_numbers(first, others):
-    mine, theirs = numbers_of(first), [numbers_of(other) for other in others]
+    mine = numbers_of(first)
+    theirs = [numbers_of(other) for other in others]
     rows = {}
     for name in TOLERANCES:
         values = [numbers[name] for numbers in theirs]
@@ -149,7 +150,8 @@ def compare_drift(first, second):
     ]
     failure = float(np.concatenate(breaks).min(initial=np.inf))
     before = time <= failure
-    difference, rms = here - there, None
+    difference = here - there
+    rms = None
     if before.any():
         scale = np.sqrt(np.mean(here[before] ** 2))
         rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > NOISE else 0.0
@@ -179,10 +181,8 @@ def _common_drift(first, second):
     frames = [
         history.series if history.moving.empty else history.moving for history in (first, second)
     ]
-    start, end = (
-        max(frame["time_s"].iloc[0] for frame in frames),
-        min(frame["time_s"].iloc[-1] for frame in frames),
-    )
+    start = max(frame["time_s"].iloc[0] for frame in frames)
+    end = min(frame["time_s"].iloc[-1] for frame in frames)
     time = frames[0]["time_s"].to_numpy()
     time = time[(time >= start) & (time <= end)]
     if len(time) < 4:
@@ -239,7 +239,8 @@ def compare_joints(first, second):
     broke_in_either, broke_in_both, same_state: numbers of joints; kappa: `cohens_kappa` of their
     states; median_break_time_difference_s: of the joints that failed in both [s], None without any.
     """
-    here, there = joints_ever(first), joints_ever(second)
+    here = joints_ever(first)
+    there = joints_ever(second)
     either = here["broken"] | there["broken"]
     both = here["broken"] & there["broken"]
     shift = (here["first_break_s"] - there["first_break_s"])[both].dropna()
@@ -259,11 +260,13 @@ def cohens_kappa(here, there):
     here, there: (n,) indices of `damage.history.moments.JOINT_STATES`.  1: they agree in all; 0: as
     often as by chance.
     """
-    here, there = np.asarray(here), np.asarray(there)
+    here = np.asarray(here)
+    there = np.asarray(there)
     if len(here) == 0:
         return None
     mine, theirs = (np.bincount(values, minlength=len(JOINT_STATES)) for values in (here, there))
-    chance, observed = float(mine @ theirs) / len(here) ** 2, float(np.mean(here == there))
+    chance = float(mine @ theirs) / len(here) ** 2
+    observed = float(np.mean(here == there))
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)
 
 
@@ -280,7 +283,8 @@ def describe(result):
             f"{name:22s}{row['first']:12.5g}{row['median']:12.5g}{low:13.5g}{high:13.5g}"
             f"{row['allowed']:12.3g}  {'agrees' if row['agrees'] else 'DIFFERS'}"
         )
-    drift, joints = result["drift"], result["joints"]
+    drift = result["drift"]
+    joints = result["joints"]
     span = (
         "of the whole run, in which nothing fails"
         if drift["first_failure_s"] is None

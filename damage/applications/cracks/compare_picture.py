@@ -69,7 +69,8 @@ def joint_agreement(first, second):
 
     The contact points between two bricks are one joint, so that discretisations may differ.
     """
-    here, there = joints_ever(first), joints_ever(second)
+    here = joints_ever(first)
+    there = joints_ever(second)
     both = here["broken"] & there["broken"]
     kinds = np.select(
         [both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],

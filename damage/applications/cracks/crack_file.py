@@ -212,7 +212,8 @@ def _stretches(table, points):
         )
     for row, crack in points["crack"][starts & ends].items():
         raise table.error(row, f"crack {crack} has a polyline of one point; expected two or more")
-    here, there = points[~ends], points[~starts]
+    here = points[~ends]
+    there = points[~starts]
     places = np.hstack([one[["x_m", "z_m"]].to_numpy(float) for one in (here, there)])
     for row in there.index[(places[:, :2] == places[:, 2:]).all(axis=1)]:
         raise table.error(row, "the same place as the point before; leave it out")
@@ -349,7 +350,8 @@ def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
 def modes_of(opening, slip, threshold=THRESHOLD):
     """tension, shear, or mixed of openings and slips [m]: what passes the threshold, (n,) of
     words."""
-    opened, slipped = opening > threshold, np.abs(slip) > threshold
+    opened = opening > threshold
+    slipped = np.abs(slip) > threshold
     return np.where(opened == slipped, "mixed", np.where(opened, "tension", "shear"))
 
 

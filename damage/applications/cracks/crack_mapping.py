@@ -84,7 +84,8 @@ def map_cracks(pattern, layout, tolerance=None):
 def _on_joints(number, stretch, ends, tolerance):
     """Rows (stretch, joint, x and z of both ends, length) of the joints that one stretch runs
     along."""
-    low, high = ends[:, 0], ends[:, 1]
+    low = ends[:, 0]
+    high = ends[:, 1]
     whole = stretch[1] - stretch[0]
     length = float(hypot(*whole))
     n_pieces = max(1, int(np.ceil(length / PIECE)))
@@ -146,7 +147,8 @@ def describe_level(
         return rows[cracked(rows["width_m"].to_numpy(float), least)]
 
     check_positive("drift limit", drift_limit)
-    table, parts = mapped.table, pattern.stretches.assign(length_m=pattern.length_m)
+    table = mapped.table
+    parts = pattern.stretches.assign(length_m=pattern.length_m)
     chosen = wide(table, threshold)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
@@ -181,7 +183,8 @@ def index_bounds(table, total_length, drift, threshold=THRESHOLD):
 
     opening, slip, width = (table[name] for name in ("opening_m", "slip_m", "width_m"))
     unknown = opening.isna()
-    opened, slipped = share(opening > threshold), share(slip.abs() > threshold)
+    opened = share(opening > threshold)
+    slipped = share(slip.abs() > threshold)
     strong = share(unknown & (width > np.sqrt(2) * threshold))
     weak = share(unknown & (width > threshold) & (width <= np.sqrt(2) * threshold))
     high = (opened + strong + weak, slipped + strong + weak)
@@ -207,7 +210,8 @@ def least_index(drift, opened, slipped, either):
 def largest_index(drift, opened, slipped, both, one):
     """Largest DI where a share `both` has opened and slipped, a share `one` either: all of `one` in
     one."""
-    opened, slipped = opened + both, slipped + both
+    opened = opened + both
+    slipped = slipped + both
     return float(max(combine(drift, opened + one, slipped), combine(drift, opened, slipped + one)))
 
 

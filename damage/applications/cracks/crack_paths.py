@@ -89,7 +89,11 @@ def crack_paths(stretches, layout, tolerance=None):
     places = (
         ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
     )
-    network, first, rows, on_joints, apart = _Network(layout), 0, [], 0.0, 0.0
+    network = _Network(layout)
+    first = 0
+    rows = []
+    on_joints = 0.0
+    apart = 0.0
     for number, line in enumerate(lines_of(places)):
         drawn = np.stack([line[:-1], line[1:]], axis=1)
         pieces = network.in_masonry(_simplified(line, SIMPLER), brick.height / 2)
@@ -98,7 +102,9 @@ def crack_paths(stretches, layout, tolerance=None):
         middle = network.ends[joint].mean(axis=1)
         distance = _distances(middle, drawn)
         near = distance.min(axis=1, initial=np.inf) <= tolerance
-        joint, along, distance = joint[near], along[near], distance[near]
+        joint = joint[near]
+        along = along[near]
+        distance = distance[near]
         on_joints += network.covered(drawn, joint, tolerance, brick.height / 2)
         apart = max(apart, distance.min(axis=1).max(initial=0.0))
         rows.append(
@@ -136,7 +142,8 @@ def _simplified(line, most):
 
 def _distances(points, segments):
     """Distances (n_points, n_segments) [m] of points (n, 2) from segments (n, 2, 2)."""
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    start = segments[:, 0]
+    along = segments[:, 1] - segments[:, 0]
     away = points[:, np.newaxis] - start
     share = np.clip(
         (away * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-18), 0.0, 1.0
@@ -160,22 +167,22 @@ class _Network:
     """
 
     def __init__(self, layout):
-        n, bodies = layout.n_below_caps, layout.bodies
+        n = layout.n_below_caps
+        bodies = layout.bodies
         middle, half = (
             np.column_stack([getattr(bodies, name)[:n] for name in names])
             for names in (("x", "z"), ("length", "height"))
         )
-        self.low, self.high = middle - half / 2, middle + half / 2
+        self.low = middle - half / 2
+        self.high = middle + half / 2
         self.ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
         self.length = layout.contacts.length[: layout.n_joints]
         places = self.ends.reshape(-1, 2)
         same = scipy.spatial.cKDTree(places).query_pairs(_SAME, output_type="ndarray")
         graph = scipy.sparse.coo_matrix((np.ones(len(same)), same.T), shape=(len(places),) * 2)
         corner = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-        self.corners, self.corner = (
-            places[np.unique(corner, return_index=True)[1]],
-            corner.reshape(-1, 2),
-        )
+        self.corners = places[np.unique(corner, return_index=True)[1]]
+        self.corner = corner.reshape(-1, 2)
         self.joint_of = {
             tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())
         }
@@ -184,7 +191,8 @@ class _Network:
         """Whether points (n, 2) lie in bodies, or within a margin [m] of one."""
 
         def inside(points):
-            low, high = self.low - margin, self.high + margin
+            low = self.low - margin
+            high = self.high + margin
             near = ((low <= points.max(axis=0)) & (high >= points.min(axis=0))).all(axis=1)
             points = points[:, np.newaxis]
             return ((points >= low[near]) & (points <= high[near])).all(axis=2).any(axis=1)
@@ -208,7 +216,8 @@ class _Network:
     def in_masonry(self, line, margin):
         """The parts of a polyline (n, 2) [m] that lie in bodies, or within a margin [m] of one: a
         list of polylines."""
-        pieces, goes_on = [], False
+        pieces = []
+        goes_on = False
         for start, end in pairwise(line):
             n = max(1, int(np.ceil(hypot(*(end - start)) / _SAMPLE)))
             points = start + (end - start) * (np.arange(n + 1) / n)[:, np.newaxis]
@@ -228,7 +237,8 @@ class _Network:
         """(joint, cosine of the angle between the line and the way along the joint) of each joint
         of the path of a polyline (n, 2) [m]; height: of a brick [m]."""
         parts = np.stack([line[:-1], line[1:]], axis=1)
-        low, high = line.min(axis=0), line.max(axis=0)
+        low = line.min(axis=0)
+        high = line.max(axis=0)
         near = np.flatnonzero(
             ((self.corners >= low - AROUND_M) & (self.corners <= high + AROUND_M)).all(axis=1)
         )
@@ -242,11 +252,13 @@ class _Network:
         cost = self.length[joint, np.newaxis] * (
             1 + (_distances(self.ends[joint].mean(axis=1), parts) / height) ** 2
         )
-        n, n_parts = len(near), len(parts)
+        n = len(near)
+        n_parts = len(parts)
         # (n, n_parts + 1)
         turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)
         # of the network there is a copy for each part, and an end and a corner cost on the way on
-        nodes, source = np.arange(n), n * n_parts
+        nodes = np.arange(n)
+        source = n * n_parts
         copy = n * np.arange(n_parts)[:, np.newaxis]
         edges = [
             (first + copy, second + copy, cost.T),
@@ -265,9 +277,11 @@ class _Network:
         while before[nodes[-1]] >= 0:
             nodes.append(before[nodes[-1]])
         nodes = np.array(nodes[-2:0:-1], int)  # without the source and the end
-        here, there = nodes[:-1], nodes[1:]
+        here = nodes[:-1]
+        there = nodes[1:]
         inside = here // n == there // n
-        one, other = near[here[inside] % n], near[there[inside] % n]
+        one = near[here[inside] % n]
+        other = near[there[inside] % n]
         joint = np.array(
             [self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int
         )

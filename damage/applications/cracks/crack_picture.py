@@ -39,7 +39,8 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     bricks = body_corners(body_table(layout))[: layout.n_bricks]
     style.add_bodies(ax, bricks, style.BRICK_COLOUR, zorder=1)
     style.add_lines(ax, tributary_ends(joint_table(layout)), "0.8", 0.25, zorder=2)
-    states, table = joint_states(mapped.table, threshold), mapped.table
+    states = joint_states(mapped.table, threshold)
+    table = mapped.table
     widest_pt = widest_line(
         layout.bodies.height[: layout.n_bricks].min(), (wall.length, wall.built_height), COLUMN_PT
     )
@@ -63,7 +64,8 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
 
 def joint_states(table, threshold=THRESHOLD):
     """Key of STATES of every row of a MappedCracks's table, (n_rows,)."""
-    opened, slipped = table["opening_m"] > threshold, table["slip_m"].abs() > threshold
+    opened = table["opening_m"] > threshold
+    slipped = table["slip_m"].abs() > threshold
     undecided = table["opening_m"].isna() & (table["width_m"] > threshold)
     return np.select(
         [undecided, opened & slipped, opened, slipped],

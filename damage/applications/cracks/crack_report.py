@@ -60,7 +60,8 @@ def crack_report(asked):
         drawn = asked.out and history_drawn(history, samples, limits["threshold"])
     else:
         _only_with("a crack file", asked, "wall", without=("at", "export", "margin_mm"))
-        patterns, layout = read_cracks(asked.source), lay_out(load_wall(asked.wall))
+        patterns = read_cracks(asked.source)
+        layout = lay_out(load_wall(asked.wall))
         warn(*_implausible(patterns, layout.wall))
         tolerance = asked.tolerance_mm and asked.tolerance_mm * MILLIMETRE
         report, mapped = pattern_report(patterns, layout, tolerance=tolerance, **limits)
@@ -166,7 +167,8 @@ def pattern_report(patterns, layout, threshold, drift_limit, psi_from, tolerance
 def field_report(path, wall, margin, threshold, drift_limit, psi_from, export):
     """`pattern_report` of the cracks that the DIC field at `path` shows, written to `export` if
     given."""
-    fields, layout = read_field(path), lay_out(load_wall(wall))
+    fields = read_field(path)
+    layout = lay_out(load_wall(wall))
     measured = measure(fields, layout, margin)
     warn(*field_warnings(fields, measured, layout, margin))
     patterns = patterns_of_fields(fields, measured, layout, min(threshold, psi_from))
@@ -285,7 +287,8 @@ def describe(report):
     ]
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
     if "run" in report:
-        run, residual = report["run"], report["run"]["residual_psi"]
+        run = report["run"]
+        residual = report["run"]["residual_psi"]
         lines.append(
             f"whole run: Psi up to {run['max_psi']:.2f}, widths up to"
             f" {run['max_crack_width_mm']:.3f} mm"

@@ -40,10 +40,12 @@ _DISPLACEMENT = Column("m", "of a point", least=-MOST_M, most=MOST_M)
 REQUIRED = {"x_m": _PLACE, "z_m": _PLACE, "ux_m": _DISPLACEMENT, "uz_m": _DISPLACEMENT}
 """{name: Column} of the file, beside those of the load level,
 `damage.applications.cracks.crack_file.OF_LEVEL`."""
-MOVES_M, UPSIDE = 0.05 * MILLIMETRE, 2.0
+MOVES_M = 0.05 * MILLIMETRE
+UPSIDE = 2.0
 """Motion [m] from which the lowest course is compared with the top one, and how many times that
 one's is doubtful."""
-RIGID, LEAST_SEEN = 0.1, 0.5
+RIGID = 0.1
+LEAST_SEEN = 0.5
 """Largest deviation from a rigid motion, over that, of a course that moves as one; share of the
 joints' length below which a field shows little of the wall."""
 STUCK = 5.0
@@ -160,7 +162,8 @@ def relative_to_base(field, margin=MARGIN):
 
 def points_of_bricks(points, layout, margin):
     """Yield (brick, indices of the points (n, 2) that lie so far inside its edges [m])."""
-    bodies, order = layout.bodies, np.argsort(points[:, 1])
+    bodies = layout.bodies
+    order = np.argsort(points[:, 1])
     x, z = points[order].T
     for brick in range(layout.n_bricks):
         half = np.array([bodies.length[brick], bodies.height[brick]]) / 2 - margin
@@ -170,16 +173,21 @@ def points_of_bricks(points, layout, margin):
 
 def brick_motions(field, layout, margin=MARGIN):
     """Motions of the bricks of a Layout relative to the base, from the points of a Field."""
-    bodies, n = layout.bodies, len(layout.bodies)
+    bodies = layout.bodies
+    n = len(layout.bodies)
     displacement = relative_to_base(field, margin)
-    motion, n_points = np.full((n, 3), np.nan), np.zeros(n, int)
-    centre, spread, squares = np.zeros((n, 2)), np.ones(n), 0.0
+    motion = np.full((n, 3), np.nan)
+    n_points = np.zeros(n, int)
+    centre = np.zeros((n, 2))
+    spread = np.ones(n)
+    squares = 0.0
     for brick, inside in points_of_bricks(field.points, layout, margin):
         n_points[brick] = len(inside)
         if n_points[brick] < LEAST_POINTS:
             continue
         middle = np.array([bodies.x[brick], bodies.z[brick]])
-        place, moved = field.points[inside], displacement[inside]
+        place = field.points[inside]
+        moved = displacement[inside]
         mean, turn = rigid_motion(place, moved)
         centre[brick] = place.mean(axis=0)
         spread[brick] = np.sum((place - centre[brick]) ** 2)
@@ -198,7 +206,8 @@ def brick_motions(field, layout, margin=MARGIN):
 
 def opening_deviation(motions, layout):
     """Standard deviation of each joint's opening that the field's noise leaves, (n_joints,) [m]."""
-    contacts, n = layout.contacts, layout.n_joints
+    contacts = layout.contacts
+    n = layout.n_joints
     variance = np.zeros(n)
     for body in (contacts.first[:n], contacts.second[:n]):
         arm = np.hypot(
@@ -212,12 +221,14 @@ def opening_deviation(motions, layout):
 def measure(fields, layout, margin=MARGIN):
     """Opening and slip of the joints at each level, a list of Measured."""
     check_not_negative("margin [m]", margin)
-    kinematics, n = ContactKinematics(layout), layout.n_joints
+    kinematics = ContactKinematics(layout)
+    n = layout.n_joints
     levels = []
     for field in fields:
         motions = brick_motions(field, layout, margin)
         opening, shear = (part[:n] for part in kinematics.displacements(motions.motion))
-        drift, top = field.drift_ratio, motions.motion[layout.drift_bodies, 0]
+        drift = field.drift_ratio
+        top = motions.motion[layout.drift_bodies, 0]
         if isnan(drift) and not np.isnan(top).all():  # that of the top course, as in a simulation
             drift = float(np.nanmean(top) / layout.drift_height)
         levels.append(
@@ -263,7 +274,8 @@ def _unseen(level, layout):
 def _moving_base(field, level, layout, margin):
     """What is said of a lowest course that moves more than the top one, or as one rigid body above
     a base that was not measured; None of another."""
-    z, n = layout.bodies.z, layout.n_bricks
+    z = layout.bodies.z
+    n = layout.n_bricks
     seen = np.flatnonzero(~np.isnan(level.motion[:n, 0]))
     moved = np.hypot(*level.motion[seen, :2].T)
     lowest = seen[z[seen] == z[seen].min()]
@@ -309,9 +321,11 @@ def _stuck(field, layout, margin):
 def stuck_points(field, layout, margin=MARGIN):
     """Indices of points whose displacement is zero, while that of their brick by its other points
     is not."""
-    zero, found = ~field.displacement.any(axis=1), [np.zeros(0, int)]
+    zero = ~field.displacement.any(axis=1)
+    found = [np.zeros(0, int)]
     for _, inside in points_of_bricks(field.points, layout, margin):
-        still, others = inside[zero[inside]], inside[~zero[inside]]
+        still = inside[zero[inside]]
+        others = inside[~zero[inside]]
         if len(still) == 0 or len(others) < LEAST_POINTS:
             continue
         mean, turn = rigid_motion(field.points[others], field.displacement[others])
@@ -343,7 +357,9 @@ def report(measured, layout):
     The latter two are the most that elastic deformation adds: an intact joint opens by f_t / k_n; a
     closed one that slides is sheared by tan(phi) times the precompression over k_s.
     """
-    contacts, n, wall = layout.contacts, layout.n_joints, layout.wall
+    contacts = layout.contacts
+    n = layout.n_joints
+    wall = layout.wall
     strength = contacts.tensile_strength[:n]
     breakable = np.isfinite(strength)
     opening = np.max(strength[breakable] / contacts.normal_stiffness[:n][breakable], initial=0.0)

@@ -16,10 +16,12 @@ from damage.errors import InputError
 from damage.files import write_bytes
 from damage.history.moments import nearest_snapshot
 
-START, SETTLED = -1, 0
+START = -1
+SETTLED = 0
 """Numbers of the moments before any motion, and at the end of the settlement; events count from
 1."""
-FOLDER, ENDING = "patterns", ".npz"
+FOLDER = "patterns"
+ENDING = ".npz"
 _REMEDY = "delete it, and the same command makes it again"
 
 
@@ -53,7 +55,8 @@ class Patterns(NamedTuple):
 
 def patterns_of(history):
     """The Patterns of a History."""
-    series, active = history.series, history.active
+    series = history.series
+    active = history.active
     settled = np.flatnonzero(series["stage"] == "settlement")
     moving = series[series["stage"] != "settlement"]
     rows = {
@@ -66,7 +69,8 @@ def patterns_of(history):
         },
     }
     samples = list(rows.values())
-    opening, offset = active.opening_m[samples], active.slip_by("displacement")[samples]
+    opening = active.opening_m[samples]
+    offset = active.slip_by("displacement")[samples]
     used = ((opening != 0) | (offset != 0)).any(axis=0)
     moved = [nearest_snapshot(history, time_s) for time_s in series["time_s"].iloc[samples]]
     none = np.full(history.displacement.shape[1:], np.nan)

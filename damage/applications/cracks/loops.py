@@ -45,7 +45,8 @@ def loop_measures(drift, force, height):
     ... ]
     8.0
     """
-    drift, force = np.append(drift, drift[0]), np.append(force, force[0])
+    drift = np.append(drift, drift[0])
+    force = np.append(force, force[0])
     high, low, most, least = (
         int(find(values)) for values in (drift, force) for find in (np.argmax, np.argmin)
     )
@@ -79,7 +80,8 @@ def loops_at(table, drift_pct):
 def _unloaded(drift, force, start):
     """Drift [-] at which the force of a closed loop first is zero after sample `start`."""
     drift, force = (np.roll(values[:-1], -start) for values in (drift, force))
-    drift, force = np.append(drift, drift[0]), np.append(force, force[0])
+    drift = np.append(drift, drift[0])
+    force = np.append(force, force[0])
     at = int(np.argmax(force * force[0] <= 0))
     if at == 0:
         return drift[0] if force[0] == 0 else np.nan
@@ -100,11 +102,13 @@ WIDEST_GAP = 0.1
 def read_loops(path):
     """Measures of the loops of a file, a list of {"loop": name, **LOOP}.  Raises InputError where
     a loop is not closed or runs backwards; warns of forces and drifts that no wall has."""
-    table, found = read_csv(path, LOOP_FILE, tuple(LOOP_FILE)), []
+    table = read_csv(path, LOOP_FILE, tuple(LOOP_FILE))
+    found = []
     table.refuse_empty(*LOOP_FILE)
     for name, points in table.rows.groupby("loop", sort=False):
         first = points.index[0]
-        height, drift = points["height_m"].to_numpy(), points["drift_pct"].to_numpy() / 100
+        height = points["height_m"].to_numpy()
+        drift = points["drift_pct"].to_numpy() / 100
         if np.ptp(height) > 0:
             raise table.error(first, f"loop {name} has two heights; expected one, correct it")
         if abs(drift[-1] - drift[0]) >= WIDEST_GAP * np.ptp(drift):

@@ -38,7 +38,8 @@ def compare_patterns(first, second):
     score distinguishes left from right}, all None where nothing has cracked in either run.
     window_m: side of the windows [m].
     """
-    places, others = places_of(first), places_of(second)
+    places = places_of(first)
+    others = places_of(second)
     return {
         **{
             what: places.scores(cracked(first, what), cracked(second, what), others)
@@ -117,7 +118,8 @@ class Places(NamedTuple):
         """Fractions skill score of the flagged joints (n_joints,) of two patterns with its
         controls, as of `compare_patterns`; others: the Places of the second pattern, where they are
         not these."""
-        here, others = self.fractions(first), others or self
+        here = self.fractions(first)
+        others = others or self
         score = fractions_skill_score(here, others.fractions(second))
         if score is None:
             return {"fss": None, "shuffled": None, "mirrored": None, "tells_sides": None}

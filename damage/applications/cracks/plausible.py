@@ -42,7 +42,8 @@ def implausible_points(points, wall):
 
 
 def _beside(what, share, places, wall):
-    low, high = places.min(axis=0), places.max(axis=0)
+    low = places.min(axis=0)
+    high = places.max(axis=0)
     return (
         f"{100 * share:.0f} % {what}, x = {low[0]:.4g} to {high[0]:.4g} m, z = {low[1]:.4g} to"
         f" {high[1]:.4g} m, lie beside wall {wall.name} of {wall.length:.4g} x"
@@ -73,7 +74,8 @@ def implausible_loops(largest_kn, drifts_pct, height):
     least, most = LOOP_DRIFT_PCT
     others = {"as a ratio": 100.0, "mm": 0.1 / height}
     drifts = plausible(least, most, "%", "", others=others)
-    largest, smallest = float(max(drifts_pct)), float(min(drifts_pct))
+    largest = float(max(drifts_pct))
+    smallest = float(min(drifts_pct))
     messages = [message_of("the largest force", largest_kn, LOOP_FORCE)]
     if largest < least:
         messages.append(message_of("the largest loop's drift", largest, drifts))

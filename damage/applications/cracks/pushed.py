@@ -150,7 +150,8 @@ def figures(history, to=None):
     of mean forces, None for the test's ultimate drift, without a test the run's."""
     test, measured, to = _measured(history, to)
     found = capacity.capacity(history, to)
-    initial, shares = first_loading(history)["initial_stiffness_n_per_m"], found["failure"]
+    initial = first_loading(history)["initial_stiffness_n_per_m"]
+    shares = found["failure"]
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
         words = _words(name, to) + (
@@ -183,7 +184,8 @@ def pushed_report(history, to=None, tested_loops=()):
     """Everything about a pushed run as a plain dictionary: cycles, envelope, mode and `figures`;
     tested_loops: of `read_loops`, beside which energy and damping of the cycles are put."""
     height = history.attributes["drift_height_m"]
-    table, found = capacity.cycles_table(history), capacity.capacity(history, to)
+    table = capacity.cycles_table(history)
+    found = capacity.capacity(history, to)
     if tested_loops and table.empty:
         raise InputError(
             f"{history.path} has no whole cycle to put beside a test; expected a run of --cyclic"
@@ -242,7 +244,8 @@ def draws_report(histories, to=None):
     dictionary.
 
     Raises InputError where runs are not of one wall and one push, or a draw is there twice."""
-    first, drawn = histories[0], {}
+    first = histories[0]
+    drawn = {}
     alike = [
         (
             _as_given(history),
@@ -258,7 +261,8 @@ def draws_report(histories, to=None):
                 f"{history.path}: another wall, push or model than {first.path}; expected draws of"
                 " one, which differ in --strength-seed alone; leave it out"
             )
-        model, seeds = history.model, history.parameters
+        model = history.model
+        seeds = history.parameters
         draw = (
             model.draws and model.strength_seed,
             seeds.get("scatter") and seeds.get("seed"),
@@ -270,7 +274,8 @@ def draws_report(histories, to=None):
             )
         drawn[draw] = history.path
     test, measured, to = _measured(first, to)
-    found, rows = [capacity.capacity(history, to) for history in histories], []
+    found = [capacity.capacity(history, to) for history in histories]
+    rows = []
     for name, (_, unit, size) in FIGURES.items():
         values = [one[name] / size for one in found if one[name] is not None]
         whole = len(values) == len(found)

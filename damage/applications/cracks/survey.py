@@ -147,7 +147,8 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
         .drop_duplicates("joint")
         .sort_values("joint", ignore_index=True)
     )
-    limit, error = pattern.detection_limit_m, pattern.width_error_m
+    limit = pattern.detection_limit_m
+    error = pattern.width_error_m
     narrowest = float(parts["width_m"][parts["width_m"] > 0].to_numpy(float).min(initial=THRESHOLD))
     known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(
@@ -166,8 +167,10 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
 
 def _refuse_contradictions(pattern, file, wall):
     """Raise InputError of a survey that says two things."""
-    parts, length = pattern.stretches, pattern.length_m
-    widest, limit = float(parts["width_m"].max()) if len(parts) else 0.0, pattern.detection_limit_m
+    parts = pattern.stretches
+    length = pattern.length_m
+    widest = float(parts["width_m"].max()) if len(parts) else 0.0
+    limit = pattern.detection_limit_m
     if widest > WIDEST_M:
         raise InputError(
             f"{file}: a crack of {widest / MILLIMETRE:g} mm; expected widths of up to "
@@ -204,7 +207,8 @@ def _share_in(ends, areas):
 
 def _within(place, areas):
     """Whether places (..., 2) lie in one of rectangles (n, 4), opposite corners [m]."""
-    low, high = np.minimum(areas[:, :2], areas[:, 2:]), np.maximum(areas[:, :2], areas[:, 2:])
+    low = np.minimum(areas[:, :2], areas[:, 2:])
+    high = np.maximum(areas[:, :2], areas[:, 2:])
     place = place[..., np.newaxis, :]
     return ((place >= low) & (place <= high)).all(axis=-1).any(axis=-1)
 
@@ -291,7 +295,8 @@ class Seen(NamedTuple):
 
 def seen_of(survey, opening_m, offset_m, wall):
     """The Seen of patterns (n, n_joints) [m] as a surveyor of that survey would have seen them."""
-    places, width = places_on(wall), visible(survey, opening_m, offset_m)
+    places = places_on(wall)
+    width = visible(survey, opening_m, offset_m)
     moved = (width > 0) & cracked(np.abs(offset_m), survey.detection_limit_m)
     return Seen(*(places.sums(places.length * one) for one in (width, width > 0, moved)))
 
@@ -299,7 +304,8 @@ def seen_of(survey, opening_m, offset_m, wall):
 def surveyed(survey, wall):
     """(Seen of one row of a Survey itself, length (n_windows,) [m] of which it says whether it is
     offset)."""
-    table, drawn = survey.table, np.zeros((4, wall.n_joints))
+    table = survey.table
+    drawn = np.zeros((4, wall.n_joints))
     offset = table["offset"].to_numpy(float)
     drawn[:, table["joint"]] = (
         np.array([table["width_m"], np.ones(len(table)), offset == 1, ~np.isnan(offset)])
@@ -340,7 +346,8 @@ def _relative(difference, f, g):
 
 def places_on(wall):
     """The Places of the joints of a Layout."""
-    contacts, n = wall.contacts, wall.n_joints
+    contacts = wall.contacts
+    n = wall.n_joints
     return Places(
         contacts.x[:n],
         contacts.z[:n],
@@ -357,7 +364,8 @@ def beside(survey, opening_m, offset_m, wall):
     shares of the length of each that has a crack of the other within NEAR_M [-], None without a
     crack.
     """
-    places, drawn = places_on(wall), survey.as_dict()
+    places = places_on(wall)
+    drawn = survey.as_dict()
     widths = survey.width_m, visible(survey, opening_m, offset_m)
     here, there = (width > 0 for width in widths)
     means = [mean_width(width, places.length) for width in widths]
@@ -402,7 +410,8 @@ def on_joints(survey):
 
 def describe_beside(found):
     """The result of `beside` as lines."""
-    survey, positions = found["survey"], found["positions"]
+    survey = found["survey"]
+    positions = found["positions"]
     shares = [
         "-" if positions[name] is None else f"{100 * positions[name]:.0f} %"
         for name in ("of_survey", "of_run")

@@ -113,7 +113,8 @@ def _address_of(asked):
             f"which address? {'both' if asked.at else 'none'} given: expected --at LAT LON or --rd"
             " X Y; give one of them"
         )
-    degrees, metres = ("latitude", "longitude"), ("easting_rd_m", "northing_rd_m")
+    degrees = ("latitude", "longitude")
+    metres = ("easting_rd_m", "northing_rd_m")
     address = dict(zip(degrees, asked.at) if asked.at else zip(metres, asked.rd))
     for name in KEYS:
         value = getattr(asked, name, None)

@@ -42,7 +42,8 @@ def _settlement(given, draws):
 def _event(given, draws):
     """The motion of a record, scaled, of the event of a date."""
     table = draws.event(given.event, given.life)
-    (motion,), (row,) = events_of(table, given.rest), table.to_dict("records")
+    (motion,) = events_of(table, given.rest)
+    (row,) = table.to_dict("records")
     return {
         "loading": replace(motion.loading, scale=motion.factor),
         "sequence": (1.0,),
@@ -63,7 +64,8 @@ def _digest(options):
     """`Draws.digest`, which takes a quarter of a second and is asked for of each run: once while no
     record changes."""
     draws = read_address(options["address"])
-    kept, times = vars(draws), [path.stat().st_mtime_ns for path in shipped_records().values()]
+    kept = vars(draws)
+    times = [path.stat().st_mtime_ns for path in shipped_records().values()]
     if kept.get("digest_at") != times:
         kept |= {"digest_at": times, "digest_then": draws.digest()}
     return kept["digest_then"]

@@ -130,7 +130,8 @@ def _on_a_map(ax, place, table, shown, named):
 def _towns(ax):
     """Names of the towns within what the axes show, which stays as it is, on the map."""
     ax.apply_aspect()
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    (left, right) = ax.get_xlim()
+    (low, high) = ax.get_ylim()
     ax.set(xlim=(left, right), ylim=(low, high))
     for name, *degrees in pd.read_csv(TOWNS).itertuples(index=False):
         x, y = (float(value) / 1e3 for value in to_rd(*degrees))
@@ -169,7 +170,8 @@ def life_picture(table, yearly, alone, title):
     alone.  table, yearly: of `damage.applications.groningen.life.results`."""
     figure, axes = style.new_figure(1.8 * style.COLUMN_WIDTH, 2 if alone is None else 3)
     psi, probability = axes[:2]
-    first, last = yearly["year"].iloc[0], yearly["year"].iloc[-1] + 1
+    first = yearly["year"].iloc[0]
+    last = yearly["year"].iloc[-1] + 1
     final = []
     for key, life in table.groupby(["seed", "life"]):
         seconds = life["time_utc"].to_numpy().astype("datetime64[s]").astype(np.int64)
@@ -196,7 +198,8 @@ def life_picture(table, yearly, alone, title):
     psi.set_ylabel(r"$\Psi$ at rest [-]")
     letter(psi, 0, "every life, and the median; dotted: just visible")
     for outcome, (colour, dashes, label) in LINES.items():
-        year, name = yearly["year"] + 1, f"p_{outcome}"
+        year = yearly["year"] + 1
+        name = f"p_{outcome}"
         probability.fill_between(
             year, yearly[f"{name}_low"], yearly[f"{name}_high"], color=colour, alpha=0.12, lw=0
         )

@@ -98,7 +98,8 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
 
     Raises InputError where the window has none, or more than `most`.
     """
-    times, series = history.snapshot_time_s, history.series
+    times = history.snapshot_time_s
+    series = history.series
     start, end = window_s or (-np.inf, np.inf)
     chosen = np.flatnonzero((times >= start) & (times <= end))
     if len(chosen) == 0 or len(series) == 0:
@@ -174,7 +175,8 @@ def _stage(history, snapshots, samples, magnify):
 
 def _pace(history, snapshots, magnify):
     """Words on the magnification, and on how much slower than the run the film is."""
-    times, words = history.snapshot_time_s[snapshots], f"displacements × {magnify:g}"
+    times = history.snapshot_time_s[snapshots]
+    words = f"displacements × {magnify:g}"
     if len(times) > 1:
         words += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
     return words
@@ -197,7 +199,8 @@ def _house_stage(history, snapshots, samples, magnify):
     ratio = seen.fit(np.arange(0, 360, 15))
     figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5) * 1.35)
     clock = above.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
-    time_s, damage = history.series["time_s"].to_numpy(), largest_index(history)
+    time_s = history.series["time_s"].to_numpy()
+    damage = largest_index(history)
     for part, (colour, line) in zip(history.parts, LINES):
         below.plot(time_s, part.index()["DI"], color=colour, ls=line, label=part.wall)
     below.set(xlabel="time [s]", ylabel="DI [-]", ylim=(0, None))

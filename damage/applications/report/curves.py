@@ -181,10 +181,8 @@ def _text(value):
 
 def _description(wall, fits, name, kind):
     """What the curves are of, and what they leave out."""
-    one, without = (
-        fits[0],
-        [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)],
-    )
+    one = fits[0]
+    without = [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)]
     steps = [f"{fit.level:g}" for fit in fits if fit.step]
     lines = [
         f"Wall {wall}: probability that {one.measure} exceeds a level, by {name}; {one.n_runs} runs"
@@ -216,7 +214,8 @@ def write_curves(fits, folder, eigen_period_s):
     A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all
     by an intensity that OpenQuake has no name for.
     """
-    folder, paths = Path(folder), []
+    folder = Path(folder)
+    paths = []
     for wall, ones in fits.items():
         joined = with_one_dispersion(ones)
         for measure in dict.fromkeys(one.measure for one in joined):

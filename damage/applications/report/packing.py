@@ -19,7 +19,8 @@ def pack_arrays(arrays):
     >>> pack_arrays({"a": np.array([1, 2], "u1"), "b": np.array([0.5], "f4")})["arrays"]
     {'a': ['u1', 0, 2], 'b': ['f4', 8, 1]}
     """
-    data, places = bytearray(), {}
+    data = bytearray()
+    places = {}
     for name, array in arrays.items():
         data += bytes(-len(data) % _ALIGNED)
         values = np.asarray(array)
@@ -52,7 +53,8 @@ def fewer_colours(image, colours=64):
 
 def as_png(figure, dots_per_inch=150, colours=64):
     """A matplotlib Figure as PNG of so many colours in base64."""
-    held, small = io.BytesIO(), io.BytesIO()
+    held = io.BytesIO()
+    small = io.BytesIO()
     figure.savefig(held, format="png", dpi=dots_per_inch, bbox_inches="tight")
     fewer_colours(Image.open(held), colours).save(small, "PNG", optimize=True)
     return base64.b64encode(small.getvalue()).decode("ascii")

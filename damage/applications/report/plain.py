@@ -11,10 +11,13 @@ from damage.units import MILLIMETRE
 
 def plain(history, summary, row, language="en"):
     """Five sentences on a History; summary: of `summarise`; row: of `summary_row`."""
-    say, shown = partial(words, language), partial(number, language)
-    left, pgv = row["residual_crack_width_mm"], row["pgv_m_s"]
+    say = partial(words, language)
+    shown = partial(number, language)
+    left = row["residual_crack_width_mm"]
+    pgv = row["pgv_m_s"]
     before = row["settled_crack_width_mm"] or 0.0
-    events, settled = len(history.sequence), summary["settled_psi"] is not None
+    events = len(history.sequence)
+    settled = summary["settled_psi"] is not None
     shaken = "plain_shaken" if events > 1 else "plain_shaken_once"
     what = shaken if pgv is not None else "plain_settled" if settled else "plain_pushed"
     now = (

@@ -41,7 +41,9 @@ def run_part(history, letter, language="en"):
 
     Raises InputError of a file without a sample.
     """
-    summary, index, row = summarise(history), history.index(), summary_row(history)
+    summary = summarise(history)
+    index = history.index()
+    row = summary_row(history)
     part = {
         "letter": letter,
         "title": run_title(history),
@@ -134,12 +136,14 @@ def _key_numbers(history, summary):
     members = {} if table is None else spread(table)
     cards = []
     for column in (*KEY, "settled_psi"):
-        result, value = result_of(column), value_in(summary, column)
+        result = result_of(column)
+        value = value_in(summary, column)
         if value is not None:
             more = [result.of.format(**summary, whole="")]
             if column in members:
                 more.append(f"{members['count']} members: {members_in_words(members, column)}")
-            number, shown = result.factor * value, result.shown(value)
+            number = result.factor * value
+            shown = result.shown(value)
             cards.append((result.label, number, shown, result.unit, "; ".join(filter(None, more))))
     return cards
 
@@ -150,7 +154,8 @@ def _key_numbers(history, summary):
 def drawn(history, index):
     """Numbers for the drawings: {"arrays", "packed"} of `pack_arrays`, and lists and numbers
     besides."""
-    chosen, lines = instants(history, index), _lines(history, index)
+    chosen = instants(history, index)
+    lines = _lines(history, index)
     kept = points(np.array([lines[name] for name in SERIES]), chosen)
     wall, more = _moving_wall(history, chosen)
     arrays = {name: values[kept].astype("f4") for name, values in lines.items()}
@@ -214,7 +219,9 @@ def _moving_wall(history, chosen):
     )
     supports = [support_motion(history, snapshot) for snapshot in near]
     places, step = quantised(np.concatenate([motion, [one.motion for one in supports]], axis=1))
-    joints, bodies, ends = history.joints.iloc[ever], history.bodies, tributary_ends(history.joints)
+    joints = history.joints.iloc[ever]
+    bodies = history.bodies
+    ends = tributary_ends(history.joints)
     elastic = np.setdiff1d(
         np.flatnonzero(history.joints["elastic"] & ~cuts_of_lintels(history.joints, bodies)), ever
     )
@@ -257,7 +264,8 @@ def _moving_wall(history, chosen):
 
 def in_words(part):
     """{drawing: what it shows, for who cannot see it}."""
-    history, shown = part["history"], part["drawn"]
+    history = part["history"]
+    shown = part["drawn"]
     series = history.series
     shear_kn = series["base_shear_n"] / 1e3
     drift_pct = 100 * series["drift_ratio"]
@@ -302,7 +310,8 @@ def instants(history, index):
 def special_samples(history, index):
     """Samples of a History with an extreme value, of the first failure, the collapse, the first and
     the last one."""
-    series, time_s = history.series, history.series["time_s"].to_numpy()
+    series = history.series
+    time_s = history.series["time_s"].to_numpy()
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
     found = [
         0,

@@ -79,7 +79,10 @@ _FOLLOWS = {
     *("total_joint_length_m", "elastic_joint_share", "elastic_joint_share_above_openings"),
 }
 """Parameters that a point's wall and motion say, or that follow from them."""
-WIDE, TALL, LEFT, BELOW = 420, 270, 68, 38
+WIDE = 420
+TALL = 270
+LEFT = 68
+BELOW = 38
 """Size of a chart, and room for its labels on the left and below, pixels of its own."""
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
@@ -224,7 +227,8 @@ def axes(kinds):
 
 def _motion(row):
     """Words for a point's motion, and the factor on it."""
-    scale, amplitude = row.get("scale"), row.get("amplitude_g")
+    scale = row.get("scale")
+    amplitude = row.get("amplitude_g")
     if isinstance(row.get("record"), str):
         return record_label(row["record"]), "" if pd.isna(scale) else f" × {scale:g}"
     if not pd.isna(amplitude) and amplitude is not None:
@@ -236,7 +240,9 @@ def _motion(row):
 def cracked_walls(folder, summary, points):
     """({number of a point: its first run's wall at the largest DI, PNG in base64}, why histories
     cannot be read), as many as MOST_WALLS_MB holds, the largest damage first."""
-    found, unread, left = {}, [], MOST_WALLS_MB * 1e6
+    found = {}
+    unread = []
+    left = MOST_WALLS_MB * 1e6
     damage = points.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0)
     for number in np.argsort(-damage.to_numpy(), kind="stable"):
         row = points.iloc[number]
@@ -274,7 +280,8 @@ def _chart(points, x, alike, intensity, measure):
         points[f"{measure}_{end}"].astype(float).to_numpy() if f"{measure}_{end}" in points else y
         for end in ("min", "max")
     ]
-    (across, x_ticks), (up, y_ticks) = _scale(x, LEFT, WIDE - 20), _scale(ends[1], TALL - BELOW, 8)
+    (across, x_ticks) = _scale(x, LEFT, WIDE - 20)
+    (up, y_ticks) = _scale(ends[1], TALL - BELOW, 8)
     places = np.round([across(x), up(y), *map(up, ends)], 1).T
     lines = {}
     for number in np.argsort(x, kind="stable").tolist():
@@ -352,7 +359,8 @@ def _cell(value, name=""):
 
 def _range(row, name):
     """Words "least to most" over the members, "" where they are one or agree."""
-    low, high = row.get(f"{name}_min"), row.get(f"{name}_max")
+    low = row.get(f"{name}_min")
+    high = row.get(f"{name}_max")
     return "" if low is None or high is None or not low < high else f"{low:.3g} to {high:.3g}"
 
 
@@ -368,7 +376,9 @@ def figures(folder):
     """
     places = folder / "figures", folder / "pictures", folder
     paths = [path for place in places for path in sorted(place.glob("*.png"))]
-    embedded, named, left = [], [], MOST_FIGURES_MB * 1e6
+    embedded = []
+    named = []
+    left = MOST_FIGURES_MB * 1e6
     for path in paths:
         if path.stat().st_size > left:
             named.append(path.relative_to(folder).as_posix())

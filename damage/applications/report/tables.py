@@ -14,7 +14,8 @@ from damage.units import rounded
 from damage.wall.as_built import describe_cap
 
 SECTIONS = {**MEASURES, "Run and parameters": RUN | PARAMETERS, "Provenance": MADE_BY}
-DIGITS, GIVEN_DIGITS = 3, 5
+DIGITS = 3
+GIVEN_DIGITS = 5
 """Significant digits of results, as on the screen, and of what a run was given."""
 ENERGIES = {
     "input_energy_j": "supplied",
@@ -29,7 +30,8 @@ OTHER_CRITERIA = tuple(
     f"{kind}_{prefix}" for kind in ("max", "residual") for prefix in filter(None, CRITERIA.values())
 )
 """Beginnings of columns by other criteria of slip than that of the run's results."""
-LEAST_PLAIN, MOST_PLAIN = 1e-4, 1e6
+LEAST_PLAIN = 1e-4
+MOST_PLAIN = 1e6
 """Between them numbers are written without an exponent."""
 COLUMNS = {
     name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))

@@ -32,7 +32,8 @@ from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.kinds import rows
 
 VERSION = 2, 2
-HEXAHEDRON, LINE = 12, 3
+HEXAHEDRON = 12
+LINE = 3
 """VTK's codes of the cells."""
 PARTS = ("brick", "cap", "bed joint", "head joint", "cut of a brick")
 """What the codes of the cells' `part` stand for."""
@@ -76,7 +77,8 @@ def _fill(root, cells):
         root[name] = np.asarray(values)
     time_s = cells.history.series["time_s"].to_numpy()
     steps = _steps(root, time_s)
-    samples, n_snapshots = np.arange(len(time_s)), len(cells.history.snapshot_time_s)
+    samples = np.arange(len(time_s))
+    n_snapshots = len(cells.history.snapshot_time_s)
     shapes = [*range(n_snapshots), -1]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
     _keep(
@@ -105,7 +107,8 @@ def _fill(root, cells):
 
 def _steps(root, time_s):
     """The group of the steps, which all have the one grid; time_s: (n_steps,)."""
-    steps, zeros = root.create_group("Steps"), np.zeros(len(time_s), np.int64)
+    steps = root.create_group("Steps")
+    zeros = np.zeros(len(time_s), np.int64)
     steps.attrs["NSteps"] = len(time_s)
     steps["Values"] = time_s
     steps["NumberOfParts"] = np.ones_like(zeros)
@@ -162,11 +165,10 @@ class WallCells:
     def fixed(self):
         """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint,
         rows of the history's tables, -1 in cells that are none; course; length_m; elastic."""
-        bodies, joints = self.history.bodies, self.history.joints
-        course, kinds = (
-            bodies["course"].to_numpy(),
-            joints["kind"].map({"bed": 2, "head": 3, "brick": 4}),
-        )
+        bodies = self.history.bodies
+        joints = self.history.joints
+        course = bodies["course"].to_numpy()
+        kinds = joints["kind"].map({"bed": 2, "head": 3, "brick": 4})
         return {
             "part": self._joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
             "body": self._joined(np.arange(len(bodies)), -1),
@@ -185,8 +187,10 @@ class WallCells:
 
     def displacement(self, snapshot):
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
-        motion, at_rest = self._motion(snapshot), self._motion(-1)
-        bodies, joints = self.history.bodies, self.history.joints
+        motion = self._motion(snapshot)
+        at_rest = self._motion(-1)
+        bodies = self.history.bodies
+        joints = self.history.joints
         moved = _at(body_corners(bodies, motion) - body_corners(bodies), 0.0)
         supports = support_motion(self.history, None if snapshot < 0 else snapshot)
         ends = _at(
@@ -203,7 +207,8 @@ class WallCells:
         of its bodies'."""
         of_bodies = self._motion(snapshot)[:, 2]
         supports = support_motion(self.history, None if snapshot < 0 else snapshot).motion[:, 2]
-        joints, rotation = self.history.joints, np.concatenate([of_bodies, supports])
+        joints = self.history.joints
+        rotation = np.concatenate([of_bodies, supports])
         first, second = (
             rotation[np.minimum(rows(joints[name], len(of_bodies)), len(rotation) - 1)]
             for name in ("first_body", "second_body")
@@ -326,7 +331,8 @@ class HouseCells(WallCells):
 
     def _placed(self, snapshot):
         """Points in the house in a snapshot, (n_points, 3) [m]; -1: at rest."""
-        space, snapshot = InSpace(self.history), None if snapshot < 0 else snapshot
+        space = InSpace(self.history)
+        snapshot = None if snapshot < 0 else snapshot
         return np.concatenate(
             [places(snapshot).reshape(-1, 3) for places in (space.corners, space.ends)]
         )

@@ -190,7 +190,11 @@ class Batch:
     """Points of a study on their way in one folder."""
 
     def __init__(self, study, runs, folder, asked, lock):
-        self.study, self.runs, self.folder, self.asked, self.lock = study, runs, folder, asked, lock
+        self.study = study
+        self.runs = runs
+        self.folder = folder
+        self.asked = asked
+        self.lock = lock
         self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
         self.what = (
             f"study {study.name}{' slice {}/{}'.format(*asked.slice) if asked.slice else ''}"
@@ -321,7 +325,9 @@ class Batch:
     def _left_s(self, solver, shares):
         """Time [s] that is left of the runs in a solver and of their pictures, None where it is
         not known; shares: as of Pool."""
-        done, least, most = 0.0, TABLES, TABLES
+        done = 0.0
+        least = TABLES
+        most = TABLES
         for point in self.points.values():
             if point.run.solver != solver:
                 continue

@@ -18,7 +18,9 @@ OVERHEAD = 500
 """Contact points that what a step takes besides counts for."""
 SCALED = 4.0
 """Explicit steps that a step with scaled masses takes the time of."""
-RUN, DRAWING, TABLES = 6e7, 7e8, 2e8
+RUN = 6e7
+DRAWING = 7e8
+TABLES = 2e8
 """What a run costs before and after its steps, its pictures, and the tables of a study: contact
 points times steps that take as long."""
 

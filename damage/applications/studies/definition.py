@@ -68,7 +68,8 @@ LEAST_MEMBERS = 5
 """Least number of members by which `tails_are_heavy` can judge."""
 JUDGED = ("max_DI", "max_drift_ratio")
 """Measures whose spread `tails_are_heavy` judges."""
-LIVES_A_POINT, FROM = 48, "_from"
+LIVES_A_POINT = 48
+FROM = "_from"
 """Most lives of a point, and what its name has before the number of the first."""
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
@@ -284,7 +285,8 @@ def load_study(path, solver="reference", root=None):
     walls and records are that do not lie beside the study file, None for the working folder.
     Raises InputError where a key, option or file is not valid.
     """
-    path, root = Path(path).absolute(), Path(root or ".").resolve()
+    path = Path(path).absolute()
+    root = Path(root or ".").resolve()
     table = read_toml(path, *STUDY_FILE)
     _check_keys(table, set(KEYS), f"{path}")
     check_choices(path, table.get("states", []), table.get("intensity"))
@@ -481,7 +483,8 @@ def option_table(options, where="options"):
 
 def _of_words(words, where):
     """The table of options that a list of words stands for."""
-    table, name = {}, None
+    table = {}
+    name = None
     for word in words:
         if isinstance(word, str) and word.startswith("--"):
             name, _, value = word[2:].partition("=")

@@ -149,7 +149,8 @@ class Fragility:
         least = np.where(np.isnan(samples) | (samples == 0) & [True, False], -np.inf, samples)
         low, high = _interval(least, np.where(np.isnan(samples), np.inf, samples))
         if self.step:
-            low[0], high[0] = np.minimum(low[0], self.step[0]), np.maximum(high[0], self.step[1])
+            low[0] = np.minimum(low[0], self.step[0])
+            high[0] = np.maximum(high[0], self.step[1])
         return np.array([low, high])
 
     def _stretched(self):
@@ -281,10 +282,12 @@ def solve(intensity, exceeding, runs):
 def _distinct(intensities):
     """How many of intensities (n,) differ by more than SAME_INTENSITY from the one that counted
     before them."""
-    count, last = 0, 0.0
+    count = 0
+    last = 0.0
     for value in np.sort(intensities):
         if value > last * (1 + SAME_INTENSITY):
-            count, last = count + 1, value
+            count = count + 1
+            last = value
     return count
 
 
@@ -294,7 +297,8 @@ def _likeliest(x, y, n, side):
 
     def misfit(parameters):  # Baker (2015), equation (11), with the sign changed
         z = (x - parameters[0]) / np.exp(parameters[1])
-        below, above = log_ndtr(z), log_ndtr(-z)
+        below = log_ndtr(z)
+        above = log_ndtr(-z)
         density = -0.5 * z**2 - 0.5 * np.log(2 * np.pi)
         dz = y * np.exp(density - below) - (n - y) * np.exp(density - above)
         return (
@@ -302,7 +306,8 @@ def _likeliest(x, y, n, side):
             np.array([np.sum(dz) / np.exp(parameters[1]), np.sum(dz * z)]),
         )
 
-    centre, ends = np.average(x, weights=n), np.log(DISPERSIONS)
+    centre = np.average(x, weights=n)
+    ends = np.log(DISPERSIONS)
     for start in np.log(_STARTS):
         best = scipy.optimize.minimize(
             misfit,
@@ -331,8 +336,11 @@ def step_of(intensity, exceeding, runs):
     """Two intensities, up to which no run and from which all runs exceed the level, with at most
     one intensity between them; else None.  A lognormal curve needs two intensities at which some
     exceed."""
-    x, y, n = np.asarray(intensity, float), np.asarray(exceeding), np.asarray(runs)
-    none, all_ = x[(n > 0) & (y == 0)], x[(n > 0) & (y == n)]
+    x = np.asarray(intensity, float)
+    y = np.asarray(exceeding)
+    n = np.asarray(runs)
+    none = x[(n > 0) & (y == 0)]
+    all_ = x[(n > 0) & (y == n)]
     some = x[(y > 0) & (y < n)]
     if len(some) > 1 or not len(none) or not len(all_) or none.max() > all_.min():
         return None
@@ -474,7 +482,8 @@ def choices_of(folder, intensity=None, states=()):
 
     intensity: a column, None where none is asked for; states: texts as of `parse_state`.
     """
-    chosen, runs = study_choices(folder), load_runs(folder)
+    chosen = study_choices(folder)
+    runs = load_runs(folder)
     return (
         runs,
         intensity or chosen["intensity"] or leading(runs),
@@ -521,7 +530,8 @@ def fragility_table(fits, intensity):
 def in_words(fits):
     """Text on curves {wall: [Fragility]}: a line each, with the intervals of the median for the
     mean curve and for a new record."""
-    lines, notes = [], []
+    lines = []
+    notes = []
     for wall, ones in fits.items():
         one = ones[0]
         lines += [
@@ -576,9 +586,11 @@ def at_intensities(fits, values):
     """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the
     probability of exceeding by the curve, the interval of the mean curve, that of a new record's
     own probability with its median, and the mean of the latter."""
-    rows, unknown = [], (np.nan, np.nan)
+    rows = []
+    unknown = (np.nan, np.nan)
     for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
-        mean, new = one.bounds(values), one.new_record
+        mean = one.bounds(values)
+        new = one.new_record
         for place, value in enumerate(values):
             low, high = unknown if mean is None else mean[:, place]
             new_low, new_median, new_high = (

@@ -66,7 +66,8 @@ def fragility_picture(wall, runs, fits, intensity=None):
         for number, (ax, measure) in enumerate(zip(axes.flat, measures))
     ]
     axes[0, 0].set_ylabel("probability of exceeding")
-    n_walls, records = runs["strength_seed"].nunique(), runs["record"].dropna().unique()
+    n_walls = runs["strength_seed"].nunique()
+    records = runs["record"].dropna().unique()
     put_title(
         figure,
         f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
@@ -144,7 +145,8 @@ def _draw(ax, x, runs, one, style, intensity):
     drawn."""
     colour, marker, line = style
     draw_shares(ax, exceeding(runs, one.measure, one.level), runs[intensity], style)
-    words, bands = (one.name and f"{one.name}: ") + f"> {one.level:g}", {}
+    words = (one.name and f"{one.name}: ") + f"> {one.level:g}"
+    bands = {}
     if np.isfinite(one.median):
         ax.plot(x, one.probability(x), color=colour, ls=line)
         bands = _bands(one, x)

@@ -32,10 +32,8 @@ def expand(grid, where, rows=None):
     grid: a table with `vary` and any others, which are kept; rows: dictionaries of values that
     belong together, as `read_rows` returns them.  Raises InputError, which says what is wrong.
     """
-    kept, rows = (
-        {key: value for key, value in grid.items() if key not in ("vary", "rows")},
-        rows or [{}],
-    )
+    kept = {key: value for key, value in grid.items() if key not in ("vary", "rows")}
+    rows = rows or [{}]
     vary = grid.get("vary", {} if "rows" in grid else None)
     if not isinstance(vary, dict) or not (vary or "rows" in grid):
         raise InputError(

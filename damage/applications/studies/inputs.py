@@ -122,7 +122,8 @@ def _plain(value):
 def _differing(then, now, name):
     if is_dataclass(now) and isinstance(then, dict) and then.get("kind") == type(now).__name__:
         for one in _fields(now):
-            value, place = getattr(now, one.name), f"{name}.{one.name}".lstrip(".")
+            value = getattr(now, one.name)
+            place = f"{name}.{one.name}".lstrip(".")
             if one.name in then:
                 yield from _differing(then[one.name], value, place)
             elif value != _default(one):

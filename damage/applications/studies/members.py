@@ -92,7 +92,8 @@ def _point(wall_file, settings, words):
 def _made(tasks, name):
     """Do tasks; returns {number of a member: row of summary.csv} of those that ended, and the Pool
     that did them."""
-    folder, rows = tasks[0].folder, {}
+    folder = tasks[0].folder
+    rows = {}
 
     def follow(task, record):
         rows[task.number] = record["row"]

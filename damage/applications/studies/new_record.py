@@ -28,10 +28,12 @@ LEAST_RECORDS = 3
 of two is 6.3."""
 CONFIDENCE = 0.9
 TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
-_STEP, _MARGIN = 0.02, 5.0
+_STEP = 0.02
+_MARGIN = 5.0
 """Of the grid of ln m: its step, and by how much it is longer than the intensities at either
 end."""
-_TAU, _BETA = np.geomspace(0.01, 3.0, 24), np.geomspace(0.02, 2.0, 12)
+_TAU = np.geomspace(0.01, 3.0, 24)
+_BETA = np.geomspace(0.02, 2.0, 12)
 _LEAST_WEIGHT = 1e-9
 """Of a curve, of the largest weight: those of less are left out."""
 
@@ -90,7 +92,8 @@ def new_record(intensity, exceeding, runs):
     intensity: (n,); exceeding, runs: (n_records, n), how many of how many runs exceed the level
     there.
     """
-    exceeding, runs = np.asarray(exceeding, float), np.asarray(runs, float)
+    exceeding = np.asarray(exceeding, float)
+    runs = np.asarray(runs, float)
     total = exceeding.sum(axis=1)
     if np.count_nonzero((total > 0) & (total < runs.sum(axis=1))) < LEAST_RECORDS:
         return None

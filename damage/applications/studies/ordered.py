@@ -18,7 +18,8 @@ from scipy.special import ndtr
 
 from damage.applications.studies.states import unit_of
 
-_LEAST_GAP, _MOST_GAP = 1e-5, 1e2
+_LEAST_GAP = 1e-5
+_MOST_GAP = 1e2
 """Bounds of the difference of the logarithms of two medians that follow each other."""
 _LEAST_SHARE = 1e-300
 """Probability that stands for zero in a logarithm."""

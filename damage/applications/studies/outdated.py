@@ -58,11 +58,9 @@ class Results:
     """What is there of a study in its folder: records, and {name: path} of whole histories."""
 
     def __init__(self, folder):
-        self.folder, self.records, self.histories = (
-            folder,
-            read_records(folder),
-            histories_in(folder),
-        )
+        self.folder = folder
+        self.records = read_records(folder)
+        self.histories = histories_in(folder)
         self._files = defaultdict(list)  # {name of a run: its files}, unfinished ones included
         for path in (folder / "runs").glob("*.h5"):
             self._files[_FILE.fullmatch(path.name)[1]].append(path)
@@ -74,11 +72,13 @@ class Results:
     def judge(self, runs):
         """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is
         bad."""
-        verdict, there = Verdict(), defaultdict(list)
+        verdict = Verdict()
+        there = defaultdict(list)
         for name in sorted({*self.records.runs, *self.histories}):
             there[point_of(name)].append(name)
         for run in runs:
-            inputs, names = inputs_of(run, ROOT), there[run.id]
+            inputs = inputs_of(run, ROOT)
+            names = there[run.id]
             replaced = replaced_lintels(inputs.wall, inputs.settings.model.lintel)
             verdict.lintels |= dict.fromkeys(replaced)
             content = as_json(inputs)
@@ -173,13 +173,15 @@ class Results:
         just this; files of slices go."""
         for run, (key, inputs) in verdict.inputs.items():
             self.records.orderly &= self.records.points.get(run.id) == key
-            self.records.points[run.id], self.records.inputs[key] = key, inputs
+            self.records.points[run.id] = key
+            self.records.inputs[key] = inputs
         if self.records.orderly:
             return
         write_text(self.folder / NAME, self.records.text())
         for path in self.folder.glob("records-*.jsonl"):
             path.unlink()
-        self.records.orderly, self.records.faults = True, []
+        self.records.orderly = True
+        self.records.faults = []
 
     def is_whole(self, task):
         """Whether all that a run leaves is there, its record included."""

@@ -49,7 +49,8 @@ class Worker:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         theirs.close()
-        self.tasks, self.shares = [], {}
+        self.tasks = []
+        self.shares = {}
 
     def takes(self, task, share):
         """Whether a task can go to it; share: how many runs step together in a process, all of one
@@ -93,12 +94,21 @@ class Pool:
         that solvers hold as long as they run; say(line): prints a line; watch(shares): gets now
         and then {task of a run under way: share that is simulated}."""
         self._watch = watch
-        self.jobs, self.folder, self._work, self._lock, self._say = jobs, folder, work, lock, say
+        self.jobs = jobs
+        self.folder = folder
+        self._work = work
+        self._lock = lock
+        self._say = say
         self.interrupted = self.short = False  # ended by a signal; in want of room
-        self.failed, self.n_lost = [], 0  # tasks; runs that an interrupt ended
+        # tasks; runs that an interrupt ended
+        self.failed = []
+        self.n_lost = 0
         self.changed = []  # (task, words) of runs whose inputs changed meanwhile
-        self._workers, self._announced = [], False
-        self._waiting, self._later = [], []  # runs in their order, and what comes after runs
+        self._workers = []
+        self._announced = False
+        # runs in their order, and what comes after runs
+        self._waiting = []
+        self._later = []
 
     @property
     def ended(self):

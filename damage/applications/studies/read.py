@@ -104,9 +104,11 @@ def describe_table(table):
         "max_DI_slip": "DI_slip",
         "residual_DI": "residual",
     }
-    width, below = max(len("run"), *table["run"].str.len()), ""
+    width = max(len("run"), *table["run"].str.len())
+    below = ""
     if width > 80 - len("  complete") - 10 * len(columns):
-        width, below = 3, "\n   "
+        width = 3
+        below = "\n   "
     lines = [
         f"{'run':{width}s}" + "".join(f"{name:>10s}" for name in columns.values()) + "  status"
     ]

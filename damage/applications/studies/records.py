@@ -103,10 +103,8 @@ def key_of(content):
 
 def read_records(folder):
     """The Records of a study's folder."""
-    found, sources = (
-        Records(),
-        sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns),
-    )
+    found = Records()
+    sources = sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
     for path in sources:
         _read_file(path, found)
     found.orderly &= not found.faults and [path.name for path in sources] in ([], [NAME])

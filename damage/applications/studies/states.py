@@ -89,7 +89,8 @@ def study_choices(folder):
     folder."""
     path = Path(folder) / "study.toml"
     table = read_toml(path, *STUDY_FILE) if path.is_file() else {}
-    states, intensity = table.get("states", []), table.get("intensity")
+    states = table.get("states", [])
+    intensity = table.get("intensity")
     check_choices(path, states, intensity)
     return {"states": states, "intensity": intensity}
 

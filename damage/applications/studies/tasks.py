@@ -11,7 +11,8 @@ from damage.applications.cracks import kept
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.folder import ROOT
 
-RUN, PICTURES = "run", "pictures"
+RUN = "run"
+PICTURES = "pictures"
 CHANGED = -1
 """In place of an exit status: the run was not made, as its inputs changed since the study began."""
 YADE = 200
@@ -123,7 +124,10 @@ class Point:
     def __init__(self, run, results, keep, pictures):
         """results: `damage.applications.studies.outdated.Results` of the folder; keep: one of KEEP;
         pictures: whether those of its first run are made."""
-        self.run, self._folder, self._keep, self.pictures = run, results.folder, keep, pictures
+        self.run = run
+        self._folder = results.folder
+        self._keep = keep
+        self.pictures = pictures
         self._asked = set()
         self.records = {
             number: record

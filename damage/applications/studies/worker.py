@@ -63,7 +63,8 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
     signal.pthread_sigmask(signal.SIG_UNBLOCK, POLITE_ENDS)
     end_with_parent(parent)
     os.chdir(ROOT)
-    waiting, settled = deque(), RestCache()
+    waiting = deque()
+    settled = RestCache()
     while True:
         try:
             task = waiting.popleft() if waiting else connection.recv()
@@ -100,7 +101,8 @@ def _do_runs(first, connection, waiting, settled, inputs, processes):
     it ends.  Returns EXIT_INTERRUPTED where they were interrupted."""
     print_into(first.log)
     waiting.appendleft(first)
-    group, interrupted = Group(connection, waiting, inputs), EXIT_OK
+    group = Group(connection, waiting, inputs)
+    interrupted = EXIT_OK
     for name, status in run_references(
         group.lines(), group.histories, settled, group.watch, processes
     ):
@@ -115,8 +117,12 @@ class Group:
     as of `_do_runs`."""
 
     def __init__(self, connection, waiting, inputs):
-        self._connection, self._waiting, self._inputs = connection, waiting, inputs
-        self._tasks, self.histories, self._shares = {}, {}, {}
+        self._connection = connection
+        self._waiting = waiting
+        self._inputs = inputs
+        self._tasks = {}
+        self.histories = {}
+        self._shares = {}
         self._said = time.monotonic()
 
     def lines(self):
@@ -154,7 +160,8 @@ class Group:
 
     def end(self, name, status):
         """Send what became of a run, by its exit status."""
-        task, history = self._tasks.pop(name), self.histories.pop(name)
+        task = self._tasks.pop(name)
+        history = self.histories.pop(name)
         if status not in (EXIT_OK, EXIT_INTERRUPTED) and _stands(task):
             # of another version, or of other options: it begins again
             checkpoint_path(task.part).unlink()
@@ -176,7 +183,10 @@ class Begun:
     """
 
     def __init__(self, task, inputs, kind):
-        self._task, self._inputs, self._kind, self.changes = task, inputs, kind, None
+        self._task = task
+        self._inputs = inputs
+        self._kind = kind
+        self.changes = None
 
     def __call__(self, path, layout, **more):
         if self.changes is None:

@@ -29,7 +29,8 @@ def test_virtual_tests_give_their_inputs_back(tmp_path, output_of):
             out=tmp_path / f"t{stress:g}.h5",
         )
     damage.run(COUPLET, pushover=0.004, speed=2e-5, contacts="gauss", out=tmp_path / "c.h5")
-    histories, table = sorted(tmp_path.glob("*.h5")), tmp_path / "tests.csv"
+    histories = sorted(tmp_path.glob("*.h5"))
+    table = tmp_path / "tests.csv"
     said = output_of("calibrate", *histories, "--csv", table)
     found = json.loads(output_of("calibrate", table, "--json"))
     joint = TRIPLET.joint
@@ -50,7 +51,8 @@ def test_virtual_tests_give_their_inputs_back(tmp_path, output_of):
 
 def test_a_line_by_hand(tmp_path):
     """Nine peaks at 0.2 + 0.6 sigma, of a level 0.01 MPa off by turns: least squares by hand."""
-    stresses, off = np.repeat([0.2, 0.6, 1.0], 3), np.tile([-0.01, 0.0, 0.01], 3)
+    stresses = np.repeat([0.2, 0.6, 1.0], 3)
+    off = np.tile([-0.01, 0.0, 0.01], 3)
     shear = 0.2 + 0.6 * stresses + off
     rows = [
         f"t{k},{-sigma},,{share * tau},{share * tau / 50}"

@@ -178,21 +178,25 @@ def test_a_crack_through_a_bricks_middle(tmp_path, splits, cracks, on_joints):
 def test_bounds_of_an_unknown_mode_are_those_of_every_split():
     """The bounds enclose DI of 20 000 random splits of 0.1 mm < w, and are reached to 0.1 %."""
     random = np.random.default_rng(1)
-    drift, opened, slipped, strong, weak = 0.1, 0.05, 0.2, 0.3, 0.1
+    drift = 0.1
+    opened = 0.05
+    slipped = 0.2
+    strong = 0.3
+    weak = 0.1
     n = 20_000
     # shares of strong: opened alone, else slipped or both
-    a, b = random.beta(0.3, 0.3, n), random.beta(0.3, 0.3, n)
-    only_open, only_slip = a * strong, (1 - a) * strong * b
+    a = random.beta(0.3, 0.3, n)
+    b = random.beta(0.3, 0.3, n)
+    only_open = a * strong
+    only_slip = (1 - a) * strong * b
     both = strong - only_open - only_slip
     weak_open = weak * random.beta(0.3, 0.3, n)
     weak_slip = (weak - weak_open) * random.beta(0.3, 0.3, n)
     split = combine(
         drift, opened + only_open + both + weak_open, slipped + only_slip + both + weak_slip
     )
-    low, high = (
-        least_index(drift, opened, slipped, strong),
-        largest_index(drift, opened, slipped, strong, weak),
-    )
+    low = least_index(drift, opened, slipped, strong)
+    high = largest_index(drift, opened, slipped, strong, weak)
     assert low <= split.min() < low + 0.005 and high - 0.005 < split.max() <= high
 
 
@@ -217,11 +221,13 @@ def random_history(tmp_path):
 
 def test_the_command_exports_reads_and_draws(random_history, tmp_path, output_of):
     """What is read of the exported cracks has the index and Psi of the run."""
-    wall, export = wall_file(tmp_path / "small.py", WALL), tmp_path / "out" / "cracks.csv"
+    wall = wall_file(tmp_path / "small.py", WALL)
+    export = tmp_path / "out" / "cracks.csv"
     words = "cracks", random_history.path, "--at", "0.03,0.1,end", "--export", export, "--json"
     simulated = json.loads(output_of(*words))
     read = output_of("cracks", export, "--wall", wall, "--json", "--out", tmp_path / "png")
-    index, samples = random_history.index(), (3, 10, 20)
+    index = random_history.index()
+    samples = (3, 10, 20)
     found = json.loads(read)
     for level, run, sample in zip(found["levels"], simulated["levels"], samples, strict=True):
         assert run["time_s"] == random_history.series["time_s"].iloc[sample]

@@ -195,7 +195,8 @@ def test_what_a_panel_does_is_measured(rocking, panel, kind):
     limits = report(levels, layout)
     assert limits["opening_deviation_m"] < 3e-6 and limits["unseen_m"] == 0
     assert limits["noise_m"] == pytest.approx(NOISE, rel=0.1)
-    index, length = history.index(), history.joints["length_m"].to_numpy()
+    index = history.index()
+    length = history.joints["length_m"].to_numpy()
     for pattern, level, sample in zip(patterns_of_fields(fields, levels, layout), levels, samples):
         found = describe_level(pattern, map_cracks(pattern, layout), layout)
         assert found["DI_drift"][0] == pytest.approx(index["DI_drift"].iloc[sample], abs=1e-3)

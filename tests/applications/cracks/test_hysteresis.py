@@ -35,7 +35,9 @@ from damage.applications.cracks.pushed import (
     read_test,
 )
 
-STIFFNESS, YIELD = 50e6, 20e3  # [N/m], [N] of an elastic, perfectly plastic wall
+# [N/m], [N] of an elastic, perfectly plastic wall
+STIFFNESS = 50e6
+YIELD = 20e3
 
 
 def plastic_force(displacement):
@@ -67,7 +69,8 @@ class TestCycles:
     def test_area_and_damping_of_a_plastic_loop(self, plastic):
         """E_d = 4 F (a - u_y), xi = (2 / pi) (1 - u_y / a) in steady cycles."""
         table = cycles_table(plastic)
-        amplitude, elastic = 0.002 * small_layout().drift_height, YIELD / STIFFNESS
+        amplitude = 0.002 * small_layout().drift_height
+        elastic = YIELD / STIFFNESS
         assert len(table) == 3 and list(table.amplitude_pct) == [0.2, 0.2, 0.2]
         steady = table.iloc[1]
         assert_allclose(steady.dissipated_j, 4 * YIELD * (amplitude - elastic), rtol=2e-3)
@@ -176,7 +179,8 @@ class TestEnvelope:
             [line["stiffness_n_per_m"], line["ultimate_drift"], line["energy_j"]],
             [50e6, 1.4e-3, 172.0],
         )
-        force, ultimate = line["force_n"], 2.8e-3
+        force = line["force_n"]
+        ultimate = 2.8e-3
         assert_allclose(force * (ultimate - force / 50e6 / 2), 172.0)
         assert_allclose(line["elastic_drift"], force / 50e6 / 2)
         assert_allclose([mean_force(curve, 1e-3), mean_force(curve, 2e-3)], [50e3, 62.5e3])
@@ -210,7 +214,8 @@ def crack(tmp_path, *, opening=None, slip=None):
 
 def stair(layout):
     """A head joint in the middle of the wall and the bed joints' points beside it."""
-    contacts, brick = layout.contacts, layout.wall.brick
+    contacts = layout.contacts
+    brick = layout.wall.brick
     heads = np.flatnonzero((contacts.kind == 1) & (np.abs(contacts.z - 2.5 * brick.height) < 0.01))
     head = heads[len(heads) // 2]
     beside = np.flatnonzero(
@@ -224,7 +229,8 @@ def stair(layout):
 def test_hand_formulas_of_a_panel(plastic):
     """0.9 x 0.45 m of bricks of 225 x 75 mm under 0.3 MPa, a cantilever."""
     found = hand_capacities(plastic)
-    top, weight = 0.3e6 * 0.9 * 0.1025, 1900 * 9.81 * 0.9 * 0.45 * 0.1025
+    top = 0.3e6 * 0.9 * 0.1025
+    weight = 1900 * 9.81 * 0.9 * 0.45 * 0.1025
     assert_allclose(found["rocking"], (top + weight) * (0.45 - 0.028125) / 0.55)
     assert_allclose(found["sliding_base"], (top + weight) * np.tan(np.radians(32)))
     shear = (0.24e6 + 0.6249 * 0.3042e6) / (1 + 2 * 0.6249 / 3)

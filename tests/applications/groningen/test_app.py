@@ -25,7 +25,9 @@ from damage.applications.groningen.app.desk import Desk, words
 from damage.applications.groningen.app.photo import MARGIN_M, cleaned, homography, rectified
 from damage.applications.groningen.app.server import HEADER, PAGE, make_app, serve
 
-PORT, TOKEN, ROOT = 8765, "a token of the test", "/room"
+PORT = 8765
+TOKEN = "a token of the test"
+ROOT = "/room"
 FRONT = """name = "house"
 length = 1.125
 height = 0.6
@@ -48,7 +50,8 @@ def exif_photo(width=400, height=300, orientation=1):
     picture = Image.new("RGB", (width, height), (40, 40, 40))
     picture.paste((230, 230, 230), (0, 0, width // 2, height // 2))
     exif = picture.getexif()
-    exif[0x0112], exif[0x010F] = orientation, "Camera of A. Name"
+    exif[0x0112] = orientation
+    exif[0x010F] = "Camera of A. Name"
     exif.get_ifd(0x8825).update({1: "N", 2: (53.0, 22.0, 4.3)})
     file = io.BytesIO()
     picture.save(file, "JPEG", exif=exif, comment=b"a comment")
@@ -309,7 +312,9 @@ def test_a_front_is_edited_as_a_drawing(client, tmp_path):
     assert size["contact_points"] == edited["contact_points"] and size["steps"] > 1e5
 
 
-LENGTH, EAVES, RIDGE = 2.2, 1.2, 1.8
+LENGTH = 2.2
+EAVES = 1.2
+RIDGE = 1.8
 WINDOW = 0.88, 0.3, 1.32, 0.9
 CRACKS = {"A": [(0.44, 0.15), (0.88, 0.45)], "B": [(1.32, 0.9), (1.54, 1.2)]}
 """A gabled front, its window (left, lower, right, upper edge) and its cracks [m]."""
@@ -469,7 +474,9 @@ def ready_to_start(client):
 class Ended:
     """In place of the process of a claim: one that ended with an error, or that runs."""
 
-    pid, status, given = 2**30, 2, None
+    pid = 2**30
+    status = 2
+    given = None
 
     def __init__(self, words, **given):
         Ended.given = given

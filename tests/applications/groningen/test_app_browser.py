@@ -152,7 +152,8 @@ def straighten(driver, path):
 
 def draw_cracks(driver, folder):
     """The red lines of the straight photograph, put on joints; within 5 cm of their places."""
-    wide, high = LENGTH + 2 * MARGIN_M, RIDGE + 2 * MARGIN_M
+    wide = LENGTH + 2 * MARGIN_M
+    high = RIDGE + 2 * MARGIN_M
     for ends in red_ends(folder / "straight.jpg"):
         for x, z in ends:
             click_at(driver, "front", (x + MARGIN_M) / wide, (z + MARGIN_M) / high)
@@ -284,7 +285,8 @@ def drag(driver, name, start, end):
     """Drag on a canvas between shares of its width and height, from below left."""
     canvas = by(driver, name)
     driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
-    size, chain = canvas.size, ActionChains(driver)
+    size = canvas.size
+    chain = ActionChains(driver)
     places = [
         (round((x - 0.5) * size["width"]), round((0.5 - up) * size["height"]))
         for x, up in (start, end)

@@ -132,7 +132,8 @@ class TestTwins:
         """With both causes, by the earthquakes alone and by the settlement alone, which no
         earthquake follows (the time step is that of the twins: by default it follows the
         records')."""
-        wall, out = claimed.parent / "narrow.py", claimed.parent / "alone"
+        wall = claimed.parent / "narrow.py"
+        out = claimed.parent / "alone"
         for point in (SHAKEN, BOTH):
             history = damage.run(
                 wall,
@@ -170,7 +171,8 @@ class TestTwins:
         same explicit step."""
         address = {"latitude": 53.36786, "longitude": 6.71359, "above_mm_s": 12.0, "within_km": 3.5}
         study = load_study(write_twins(tmp_path, wall, address, {}, {}, 2), "reference")
-        modes, found = Modes(np.array([0.1]), None, 5e-5, 5e-5), {}
+        modes = Modes(np.array([0.1]), None, 5e-5, 5e-5)
+        found = {}
         for point in study.runs:
             steps = schemes(point.settings(REPOSITORY), load_wall(point.wall), modes)
             found[point.point.partition("_")[0]] = [
@@ -610,17 +612,16 @@ class TestOneFolder:
         assert not (out / "claim.html").exists()
 
     def test_draws_of_another_version_are_refused_or_made_again(self, claimed, tmp_path, capsys):
-        out, (new,) = (
-            shutil.copytree(claimed, tmp_path / "out"),
-            {one["row"]["model_digest"] for one in read_records(claimed).runs.values()},
-        )
+        out = shutil.copytree(claimed, tmp_path / "out")
+        (new,) = {one["row"]["model_digest"] for one in read_records(claimed).runs.values()}
         records = read_records(out)
         records.runs["both_from1_reference_s1"]["row"]["model_digest"] = "of before"
         (out / "records.jsonl").write_text(records.text())
         assert "draws of 2 versions, model_digest" in one_line_error(
             read_twins, out, layout_of(claimed.parent / "narrow.py")
         )
-        line, before = words(claimed.parent, "--out", str(out)), (out / "claim.html").read_bytes()
+        line = words(claimed.parent, "--out", str(out))
+        before = (out / "claim.html").read_bytes()
         assert main(line) == 2 and (out / "former-claim.html").read_bytes() == before
         assert not (out / "claim.html").exists()
         said = capsys.readouterr().err

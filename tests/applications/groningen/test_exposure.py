@@ -24,7 +24,9 @@ from damage.draws import Draws
 getcontext().prec = 30
 ZEERIJP = {"magnitude": 3.4, "x_m": 245789.0, "y_m": 598263.0}
 """The earthquake of 2018-01-08 as the catalogue that ships has it, epicentre in RD [m]."""
-GARSTHUIZEN, LOPPERSUM, DELFZIJL = (53.36786, 6.71359), (53.3325, 6.7475), (53.3300, 6.9180)
+GARSTHUIZEN = (53.36786, 6.71359)
+LOPPERSUM = (53.3325, 6.7475)
+DELFZIJL = (53.3300, 6.9180)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +37,8 @@ def catalogue():
 def by_hand(coefficients, magnitude, epicentral_km, vs30=200):
     """PGV [mm/s] of the published equation in decimals, with plain branches in place of limits."""
     c = [Decimal(str(one)) for one in coefficients]
-    size, far = Decimal(str(magnitude)), Decimal(str(epicentral_km))
+    size = Decimal(str(magnitude))
+    far = Decimal(str(epicentral_km))
     r = (far**2 + 9 + (2 * (c[5] + c[6] * size)).exp()).sqrt()
     ln = c[0] + c[1] * size + c[7] * (Decimal(vs30) / 200).ln()
     if r <= 7:
@@ -93,7 +96,8 @@ class TestModel:
         """100 000 draws of two events at two sites; tolerances: five standard errors of a standard
         deviation,
         s / sqrt(2 n), and of a correlation, (1 - r²) / sqrt(n)."""
-        n, model = 100_000, Model(component)
+        n = 100_000
+        model = Model(component)
         event, site, within = model.draw(Draws(1), n, 2, 2)
         tau, phi_s2s, phi_ss = model.deviations
         for terms, scale in ((event, tau), (site, phi_s2s), (within, phi_ss)):
@@ -126,7 +130,8 @@ class TestPlaces:
         """Amersfoort, and the Westertoren in Amsterdam: RD 120700.723, 487525.502 is 52.37453253,
         4.88352559."""
         assert places.to_wgs84(155000, 463000)[0] == pytest.approx(52.15517440, abs=1e-9)
-        grid, degrees = (120700.723, 487525.502), (52.37453253, 4.88352559)
+        grid = (120700.723, 487525.502)
+        degrees = (52.37453253, 4.88352559)
         assert places.to_wgs84(*grid) == pytest.approx(degrees, abs=3e-6)
         assert places.to_rd(*degrees) == pytest.approx(grid, abs=0.5)
 
@@ -289,7 +294,8 @@ class TestCatalogue:
         self, catalogue, tmp_path, error_of, output_of
     ):
         """What both have is not doubled, what the models are not for is left out and named."""
-        later, joined = written(tmp_path / "later.txt", self.LATER), tmp_path / "catalogue.csv"
+        later = written(tmp_path / "later.txt", self.LATER)
+        joined = tmp_path / "catalogue.csv"
         output_of("catalogue", later, "--out", joined)
         found = read_catalogue(joined)
         assert (
@@ -326,7 +332,8 @@ class TestExposure:
         """2 000 draws; tolerance: four standard errors."""
         n = 2_000
         exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
-        median, random = exposure.median_mm_s[:, np.newaxis], Draws(2)
+        median = exposure.median_mm_s[:, np.newaxis]
+        random = Draws(2)
         largest = [
             (median * np.exp(sum(exposure.model.draw(random, n // 10, len(median))))).max(axis=1)
             for _ in range(10)

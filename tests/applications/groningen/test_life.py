@@ -60,17 +60,16 @@ def draws(exposure, **choices):
 
 class TestDraws:
     def test_the_same_seed_gives_the_same_life(self, exposure):
-        one, other = (
-            draws(exposure, above_mm_s=1.0, seed=3),
-            draws(exposure, above_mm_s=1.0, seed=3),
-        )
+        one = draws(exposure, above_mm_s=1.0, seed=3)
+        other = draws(exposure, above_mm_s=1.0, seed=3)
         other.life(1)
         assert one.life(7).equals(other.life(7))
         assert not one.life(7).equals(one.life(8))
         assert not one.life(7).equals(draws(exposure, above_mm_s=1.0, seed=4).life(7))
 
     def test_a_threshold_leaves_events_out_and_changes_no_other(self, exposure):
-        low, high = draws(exposure, above_mm_s=0.5).life(1), draws(exposure, above_mm_s=3.0).life(1)
+        low = draws(exposure, above_mm_s=0.5).life(1)
+        high = draws(exposure, above_mm_s=3.0).life(1)
         assert low[low["pgv_mm_s"] >= 3.0].reset_index(drop=True).equals(high)
         assert len(high) < len(low)
 
@@ -104,7 +103,8 @@ class TestDraws:
             settle=("hogging", "sagging"),
             distortion=(0.0002, 0.002),
         )
-        life, ground = lives.life(1), lives.settlement(1)
+        life = lives.life(1)
+        ground = lives.settlement(1)
         assert life["record"].tolist() == ["BLOP_HGE", "BLOP_HGE", "BWSE_HGE"]
         assert [one.hex() for one in life["pgv_mm_s"]] == [
             "0x1.8ef3d08000000p+3",
@@ -119,7 +119,8 @@ class TestDraws:
 
     def test_a_record_is_parsed_once_whatever_is_asked_of_it(self, exposure, monkeypatch):
         """As by the addresses of a study, which differ in their windows."""
-        parsed, read = [], columns.read_columns
+        parsed = []
+        read = columns.read_columns
         monkeypatch.setattr(
             columns, "read_columns", lambda path, *more: parsed.append(path) or read(path, *more)
         )
@@ -279,10 +280,8 @@ class TestEstimate:
         """Two strata of 1/2; 5 lives in the lower one, none damaged, 15 in the upper one, 9
         damaged: 0.5 * 0.6."""
         population = np.arange(1000.0)
-        largest, hits = (
-            np.r_[np.full(5, 100.0), np.full(15, 900.0)],
-            np.r_[np.zeros(11), np.ones(9)],
-        )
+        largest = np.r_[np.full(5, 100.0), np.full(15, 900.0)]
+        hits = np.r_[np.zeros(11), np.ones(9)]
         assert list(strata(largest, population)) == [499.5]
         assert probability(hits, largest, population).p == pytest.approx(0.3)
 
@@ -299,7 +298,8 @@ class TestEstimate:
             hits = rng.random(100) < stats.norm.cdf(np.log(largest / 30) / 0.4)
             found.append(probability(hits, largest, population))
         inside = np.mean([low <= truth <= high for low, high in (one.interval for one in found)])
-        scatter, error = np.std([one.p for one in found]), np.mean([one.error for one in found])
+        scatter = np.std([one.p for one in found])
+        error = np.mean([one.error for one in found])
         assert inside > 0.93 and abs(
             np.mean([one.p for one in found]) - truth
         ) < 4 * scatter / np.sqrt(300)

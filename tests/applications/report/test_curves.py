@@ -41,7 +41,8 @@ OPENQUAKE_NEEDS = (
 )
 
 
-MILD, GRAVE = made(0.02, 0.15, 0.3), made(0.05, 0.3, 0.5)
+MILD = made(0.02, 0.15, 0.3)
+GRAVE = made(0.05, 0.3, 0.5)
 STEP = made(0.1, 0.4, 0.0, step=(0.35, 0.45))
 STATES = f"{{{NAMESPACE}}}limitStates"
 
@@ -57,7 +58,8 @@ def test_a_continuous_model_has_moments_of_the_intensity_itself(tmp_path):
     _, model = written(tmp_path, "continuous")
     assert model.find(STATES).text.split() == ["max_DI_over_0p02", "max_DI_over_0p05"]
     for one, node in zip((MILD, GRAVE), model[2][1:]):
-        mean, deviation = float(node.get("mean")), float(node.get("stddev"))
+        mean = float(node.get("mean"))
+        deviation = float(node.get("stddev"))
         assert_allclose(lognorm.stats(one.dispersion, scale=one.median), (mean, deviation**2))
 
 

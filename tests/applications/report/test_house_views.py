@@ -101,11 +101,13 @@ def test_index_tables_and_summary_have_all_walls(house, tmp_path, output_of):
 
 def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
     """The side wall stands along y: across it is -x; a turn about its length is one about y."""
-    lay, turn = layout(), 0.3
+    lay = layout()
+    turn = 0.3
     motion = np.zeros((len(lay.bodies), 6))
     motion[lay.body_wall == 1, 3:5] = 0.01, turn
     space = InSpace(make_history(tmp_path / "a.h5", lay, snapshots={0.0: motion}))
-    rest, now = space.boxes, space.corners(0)
+    rest = space.boxes
+    now = space.corners(0)
     of = lay.body_wall == 1
     assert_allclose(now[~of], rest[~of], atol=1e-15)
     assert_allclose(rest[of][:, 1, 1] - rest[of][:, 0, 1], lay.bodies.length[of])
@@ -131,7 +133,8 @@ def test_a_concrete_floor_is_a_box_over_its_walls(tmp_path):
 
 def test_paraview_has_the_boxes_and_where_they_go(house):
     cells = HouseCells(house)
-    space, n = InSpace(house), 8 * len(house.bodies)
+    space = InSpace(house)
+    n = 8 * len(house.bodies)
     assert_allclose(cells.points[:n], space.boxes.reshape(-1, 3))
     moved = cells.displacement(0)[:n].reshape(-1, 8, 3)
     across = np.where(house.house.body_wall == 0, 0.004, 0.0)  # the front alone moves

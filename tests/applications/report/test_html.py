@@ -57,7 +57,10 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.elements, self.scripts, self.words, self.open = [], [], [], []
+        self.elements = []
+        self.scripts = []
+        self.words = []
+        self.open = []
         self.feed(text)
         assert self.open == []
         self.text = re.sub(r"\s+", " ", "".join(self.words))
@@ -166,7 +169,8 @@ class TestInShort:
 class TestOneRun:
     def test_lines_over_time_are_those_of_the_history(self, one, page_of_one):
         drawn = page_of_one.data["runs"][0]
-        arrays, series = unpack_arrays(drawn), one.series
+        arrays = unpack_arrays(drawn)
+        series = one.series
         expected = {
             "time_s": series["time_s"],
             "drift_ratio": series["drift_ratio"],
@@ -266,7 +270,8 @@ class TestStudy:
 
     def test_points_are_marks_over_intensity_and_rows(self, study):
         text = page([], [study])
-        parsed, points = Page(text), read_table(study / "tables" / "points.csv")
+        parsed = Page(text)
+        points = read_table(study / "tables" / "points.csv")
         values = {float(cell["data-sort"]) for cell in parsed.all("td") if "data-sort" in cell}
         assert set(points["max_DI"]) <= values and "a study" in parsed.text
         shown = {one.get("id") for one in parsed.all("article")}
@@ -280,7 +285,8 @@ class TestStudy:
         assert len(text.encode()) < 1e6
 
     def test_colours_and_marks_show_what_varies(self):
-        one, own = ["Small wall"], {"lintel": ["none", "elastic"], "cohesion_pa": list("123456789")}
+        one = ["Small wall"]
+        own = {"lintel": ["none", "elastic"], "cohesion_pa": list("123456789")}
         alike = {"wall": one, "solver": ["reference", "yade"], "motion": ["harmonic, 0.2 s"]}
         assert axes(alike) == ["wall", "wall"]
         assert axes(alike | own) == ["lintel", "cohesion_pa"]

@@ -35,7 +35,8 @@ def history(tmp_path_factory):
 
 class TestCells:
     def test_a_brick_is_a_hexahedron_of_its_own_size(self, history):
-        cells, brick = WallCells(history), history.masonry_wall.brick
+        cells = WallCells(history)
+        brick = history.masonry_wall.brick
         bodies = history.bodies
         assert list(cells.types) == [HEXAHEDRON] * len(bodies) + [LINE] * len(history.joints)
         corners = cells.points[:8]
@@ -47,23 +48,27 @@ class TestCells:
         assert_allclose(volume, bodies.length_m[0] * brick.thickness * bodies.height_m[0])
 
     def test_a_joint_is_a_line_of_its_tributary_length_on_the_front_face(self, history):
-        cells, joints = WallCells(history), history.joints
+        cells = WallCells(history)
+        joints = history.joints
         ends = cells.points[8 * len(history.bodies) :].reshape(-1, 2, 3)
         assert_allclose(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), joints.length_m)
         assert np.all(ends[..., 1] == -history.masonry_wall.brick.thickness / 2)
 
     def test_corners_turn_with_their_brick(self, history):
-        cells, last = WallCells(history), int(np.flatnonzero(history.bodies.course >= 0)[-1])
+        cells = WallCells(history)
+        last = int(np.flatnonzero(history.bodies.course >= 0)[-1])
         moved = cells.displacement(1)[8 * last : 8 * last + 8]
         corner = cells.points[8 * last + 2] - np.mean(cells.points[8 * last : 8 * last + 8], axis=0)
-        x, z = corner[0], corner[2]
+        x = corner[0]
+        z = corner[2]
         there = (2e-3 + np.cos(TURN) * x - np.sin(TURN) * z, np.sin(TURN) * x + np.cos(TURN) * z)
         assert_allclose(moved[2], (there[0] - x, 0.0, there[1] - z), rtol=1e-5)
         assert_allclose(cells.rotation(1)[last], TURN, rtol=1e-6)
         assert np.all(cells.displacement(0) == 0) and np.all(cells.displacement(-1) == 0)
 
     def test_joints_have_their_state_and_bodies_have_none(self, history):
-        fields, first = WallCells(history).joint_fields(15), len(history.bodies)
+        fields = WallCells(history).joint_fields(15)
+        first = len(history.bodies)
         assert fields["state"][first + 3] == JOINT_STATES.index("opened")
         assert fields["state"][first + 5] == JOINT_STATES.index("slipped")
         assert set(fields["state"][:first]) == {-1}
@@ -76,7 +81,8 @@ class TestVtkhdf:
         write_vtkhdf(history, tmp_path / "small.vtkhdf")
         cells = WallCells(history)
         with h5py.File(tmp_path / "small.vtkhdf") as file:
-            root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
+            root = file["VTKHDF"]
+            steps = file["VTKHDF/Steps"]
             assert root.attrs["Type"] == b"UnstructuredGrid" and steps.attrs["NSteps"] == 21
             assert_array_equal(steps["Values"], history.series.time_s)
             for step in (0, 11, 12, 20):
@@ -106,9 +112,11 @@ def vtk_python():
 def test_vtk_reads_what_the_history_holds(vtk_python, history, tmp_path):
     path = tmp_path / "small.vtkhdf"
     write_vtkhdf(history, path)
-    sample, cells = 15, WallCells(history)
+    sample = 15
+    cells = WallCells(history)
     found = json.loads(run_in(vtk_python, "read_vtk.py", path, str(sample)))
-    n_bodies, n_joints = len(history.bodies), len(history.joints)
+    n_bodies = len(history.bodies)
+    n_joints = len(history.joints)
     assert found["types"] == {str(HEXAHEDRON): n_bodies, str(LINE): n_joints}
     assert_array_equal(found["times"], history.series.time_s)
     assert found["field"]["DI"] == [history.index().DI[sample]]

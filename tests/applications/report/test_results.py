@@ -66,7 +66,8 @@ def test_the_screen_and_a_report_show_one_criterion_of_slip_and_tables_all(tmp_p
 def test_a_report_has_the_labels_numbers_and_units_of_the_screen(tmp_path, output_of):
     """And the sentence that says which scale answers which question."""
     history = shaken(tmp_path)
-    screen, part = output_of("index", history.path), run_part(history, "A")
+    screen = output_of("index", history.path)
+    part = run_part(history, "A")
     assert part["scales"] == SCALES and SCALES in screen
     for (label, _, shown, unit, more), column in zip(part["key"], KEY):
         line = lines(screen)[label.removeprefix("residual ")]

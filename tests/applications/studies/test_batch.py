@@ -56,7 +56,8 @@ options = { harmonic = [0.1, 0.3], cycles = 1, rest = 0, sequence = "1,0.5" }
 
 def study_here(*words):
     """What a batch says and how it ends, in this process."""
-    printed, errors = io.StringIO(), io.StringIO()
+    printed = io.StringIO()
+    errors = io.StringIO()
     with redirect_stdout(printed), redirect_stderr(errors):
         status = main(["study", *words])
     return SimpleNamespace(returncode=status, stdout=printed.getvalue(), stderr=errors.getvalue())
@@ -67,7 +68,8 @@ class Batches:
 
     def __init__(self, folder):
         wall_file(folder / "tiny.py", TINY)
-        self.folder, self.out = folder, folder / "out"
+        self.folder = folder
+        self.out = folder / "out"
 
     def study(self, text, name="s"):
         return written(self.folder / f"{name}.toml", f'name = "{name}"\npictures = "none"\n{text}')
@@ -156,7 +158,8 @@ class TestBatch:
         while len(batches.members()) < 3 or not growing - old:
             assert batch.poll() is None, "it ended before it could be killed"
             time.sleep(0.005)
-            old, growing = growing, set((batches.out / "runs").glob("*.part.h5"))
+            old = growing
+            growing = set((batches.out / "runs").glob("*.part.h5"))
         kill_tree(batch.pid)
         batch.communicate()
         before = batches.checksums()
@@ -173,7 +176,8 @@ class TestBatch:
     @pytest.mark.long
     def test_runs_that_step_together_continue_where_they_were_interrupted(self, batches):
         long = (DRAWN % 3).replace("cycles = 1", "cycles = 12")
-        study, log = batches.study(long), batches.out / "logs" / "reference.log"
+        study = batches.study(long)
+        log = batches.out / "logs" / "reference.log"
         batch = batches.start(study, "--keep", "patterns")
         wait_until(lambda: log.is_file() and log.read_text().count("history:") >= 4)
         batch.send_signal(signal.SIGTERM)
@@ -192,7 +196,8 @@ class TestBatch:
             assert path.read_bytes() == (batches.out / "patterns" / path.name).read_bytes()
 
     def test_with_histories_of_a_sample_alone_the_tables_are_the_same(self, batches, drawn):
-        study, summary = batches.study(DRAWN % 4), batches.folder / "summary"
+        study = batches.study(DRAWN % 4)
+        summary = batches.folder / "summary"
         assert batches.run(study, "--keep", "summary", out=summary).returncode == 0
         firsts = {"drawn_reference_s1", "alone_reference"}
         assert {path.stem for path in (summary / "runs").glob("*.h5")} == firsts
@@ -252,7 +257,8 @@ class TestPool:
                 connection.send((task, 0, {"run": task.name}))
 
         one, _ = pool(work, jobs=1)
-        done, more = [], self.tasks(tmp_path, 7)[5:]
+        done = []
+        more = self.tasks(tmp_path, 7)[5:]
 
         def follow(task, record):
             done.append(record["run"])
@@ -277,7 +283,8 @@ class TestPool:
                 assert len({task.point.point[0] for task in taken}) == 1
 
         one, _ = pool(work, jobs=1)
-        done, asked = [], ("b0", "b1", "s2", "s3", "b4")
+        done = []
+        asked = ("b0", "b1", "s2", "s3", "b4")
         tasks = [Task(tmp_path, StudyRun(k, "w.py", (), "reference"), 1, True) for k in asked]
         one.run(tasks, lambda task, _: done.append(task.point.point) or ())
         assert [name[0] for name in done] == ["b", "b", "s", "s", "b"] and one.failed == []
@@ -316,7 +323,8 @@ class TestFolder:
 
     def test_a_folder_takes_no_second_batch_whatever_is_deleted_in_it(self, tmp_path, monkeypatch):
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
-        study, out = self.study(tmp_path), tmp_path / "out"
+        study = self.study(tmp_path)
+        out = tmp_path / "out"
         lock = folder.claim(out, study)
         for path in out.rglob("*"):
             path.unlink() if path.is_file() else None
@@ -354,7 +362,8 @@ class TestFolder:
     @pytest.mark.parametrize("name", [NAME, "logs/reference.log"])
     @pytest.mark.parametrize("kind", ["link", "pipe"])
     def test_what_a_batch_writes_at_a_known_name_goes_through_no_link(self, name, kind, tmp_path):
-        mine, there = tmp_path / "mine", tmp_path / "out" / name
+        mine = tmp_path / "mine"
+        there = tmp_path / "out" / name
         mine.write_text("mine")
         there.parent.mkdir(parents=True)
         there.symlink_to(mine) if kind == "link" else os.mkfifo(there)
@@ -381,7 +390,8 @@ class TestInputsThatChange:
     def test_a_run_of_other_inputs_is_not_made_and_said_in_a_line(
         self, batches, monkeypatch, capfd
     ):
-        study, wall = batches.study(DRAWN % 3), batches.folder / "tiny.py"
+        study = batches.study(DRAWN % 3)
+        wall = batches.folder / "tiny.py"
         words = [str(study), "-j1", "--keep", "summary", "--out", str(batches.out)]
         with monkeypatch.context() as patch:
             self.edited(patch, lambda: wall_file(wall, TINY.replace("0.6", "0.45")))
@@ -402,7 +412,8 @@ class TestInputsThatChange:
     ):
         wall_file(tmp_path / "tiny.py", TINY)
         run = StudyRun("p", str(tmp_path / "tiny.py"), (("harmonic", (0.1, 0.5)),), "yade")
-        task, sent = Task(tmp_path, run, 1, True), []
+        task = Task(tmp_path, run, 1, True)
+        sent = []
         note = {run.id: as_json(inputs_of(run, REPOSITORY))}
         task.part.parent.mkdir()
         monkeypatch.setattr(

@@ -128,7 +128,8 @@ def test_an_ensemble_doubles_where_its_first_members_spread_and_ends_with_one_wh
     intact, spread, needed
 ):
     run = StudyRun("a", "w.py", (), "reference", ("--seed",), 5, adaptive=True)
-    records, counts = {}, []
+    records = {}
+    counts = []
     for number in range(1, 6):
         counts.append(run.runs_needed(records))
         row = {"max_DI": 0.1, "max_drift_ratio": 1e-3 * (1 + spread * (number == 3))}

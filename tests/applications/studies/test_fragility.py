@@ -33,7 +33,8 @@ from damage.applications.studies.states import (
 )
 from damage.measure.tables import write_table
 
-MEDIAN_G, DISPERSION = 0.2, 0.4
+MEDIAN_G = 0.2
+DISPERSION = 0.4
 INTENSITIES_G = np.arange(1, 9) / 20
 
 
@@ -164,7 +165,8 @@ def test_intervals_of_the_median_cover_the_known_one(n_records, n_walls):
     """Over 40 studies with a median of 0.2 g; numbers outside occur in one of 500 such tests.
     Percentiles of few samples lie further in than those of many: between 40, at ranks 2.95 and
     38.05, are 0.856 of a distribution, and not 0.90."""
-    studies, samples = 40, 40
+    studies = 40
+    samples = 40
     outside = 2 * (1 + 0.05 * (samples - 1)) / (samples + 1)
     bounds = np.array(
         [
@@ -174,7 +176,8 @@ def test_intervals_of_the_median_cover_the_known_one(n_records, n_walls):
             for seed in range(studies)
         ]
     )
-    above, below = np.sum(bounds[:, 0] > 0.2), np.sum(bounds[:, 1] < 0.2)
+    above = np.sum(bounds[:, 0] > 0.2)
+    below = np.sum(bounds[:, 1] < 0.2)
     least, most = binom.ppf((0.001, 0.999), studies, outside)
     assert least <= above + below <= most
     assert max(above, below) <= binom.ppf(0.999, studies, outside / 2)
@@ -451,7 +454,8 @@ def test_the_command_writes_table_and_picture(tmp_path, output_of, error_of):
     error_of("fragility", tmp_path, "--out", tmp_path, "--intensity", "sa_0.2_s_g")
 
 
-SLIGHT, MODERATE = [4, 10, 17, 23, 27, 30, 32, 33], [0, 1, 5, 13, 21, 27, 31, 33]
+SLIGHT = [4, 10, 17, 23, 27, 30, 32, 33]
+MODERATE = [0, 1, 5, 13, 21, 27, 31, 33]
 
 
 def graded(slight, moderate, n_walls=40):

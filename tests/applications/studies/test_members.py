@@ -103,7 +103,8 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
         for name, drift in (("run.h5", 1e-3), ("b.h5", 2e-3))
     )
     for one, seed in ((first, 1), (second, 2)):
-        one.parameters["seed"], one.parameters["scatter"] = seed, 0.001
+        one.parameters["seed"] = seed
+        one.parameters["scatter"] = 0.001
     write_table(
         pd.DataFrame([member_row(summary_row(one), out) for one in (first, second)]),
         members_path(out),

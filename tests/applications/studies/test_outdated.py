@@ -35,7 +35,8 @@ class Folder:
     """A study of one point, and its results: a record, and the history of its first run."""
 
     def __init__(self, folder, options="harmonic = [0.2, 0.1]", ensemble="", **files):
-        self.folder, self.out = folder, folder / "out"
+        self.folder = folder
+        self.out = folder / "out"
         for name, text in {"w_py": WALL, **files}.items():
             self.write(name.replace("_", "."), text)
         self.study(options, ensemble)
@@ -44,7 +45,8 @@ class Folder:
         (self.folder / name).write_text(text)
 
     def study(self, options, ensemble=""):
-        self.options, self.ensemble = options, ensemble
+        self.options = options
+        self.ensemble = ensemble
         self.write(
             "study.toml",
             'name = "s"\n[[runs]]\nid = "p"\nwall = "w.py"\nsolvers = ["reference"]\n'

@@ -47,7 +47,8 @@ SHIPPED = sorted((REPOSITORY / "studies").glob("*.toml"))
 WALL = 'wall = "walls/symmetric.py"\n'
 NAME = 'name = "s"\n'
 BGAR = "damage/data/zeerijp_20180108/BGAR_HGE_acc_m_s2.csv"
-RUN, GRID = f"{NAME}[[runs]]\n{WALL}", f"{NAME}[[grid]]\n"
+RUN = f"{NAME}[[runs]]\n{WALL}"
+GRID = f"{NAME}[[grid]]\n"
 GRID_OF_R = f'{GRID}{WALL}options = {{ rest = "{{r}}" }}\n'
 
 
@@ -237,7 +238,9 @@ class Batches:
     """
 
     def __init__(self, folder):
-        self.folder, self.calls, self.out = folder, folder / "calls", folder / "out of {it}"
+        self.folder = folder
+        self.calls = folder / "calls"
+        self.out = folder / "out of {it}"
         (folder / "bin").mkdir()
         wall_file(folder / "small.py", "Wall('small', 0.9, 0.45)")  # of the histories
         for status in ("complete", "unfinished"):

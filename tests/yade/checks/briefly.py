@@ -29,7 +29,8 @@ SIGNALS = {"KILLED_AT": signal.SIGKILL, "INTERRUPTED_AT": signal.SIGINT}
 def end_at(time_s, sign):
     """Have the run send itself a signal one look after its first checkpoint of a time of the run
     [s] or later."""
-    times, write = [], Checkpoints.write
+    times = []
+    write = Checkpoints.write
 
     def written(checkpoints, tables):
         if times and times[-1] >= time_s:
@@ -37,7 +38,8 @@ def end_at(time_s, sign):
         times.append(float(tables["last_time_s"]))
         write(checkpoints, tables)
 
-    Checkpoints.due, Checkpoints.write = lambda checkpoints: True, written
+    Checkpoints.due = lambda checkpoints: True
+    Checkpoints.write = written
 
 
 del sys.argv[0]

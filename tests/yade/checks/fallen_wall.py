@@ -48,7 +48,8 @@ def main():
         return True
 
     steps = FOLLOW_STEPS * round(INTERVAL_S / solver.time_step / FOLLOW_STEPS)
-    lowest, fell = lowest_places(layout), False
+    lowest = lowest_places(layout)
+    fell = False
     while not rows["time_s"] or rows["time_s"][-1] < float(sys.argv[2]):
         solver.advance(steps, steps, keep)
         if not fell and have_fallen(rows["place"][-1][None], lowest)[0]:

@@ -18,7 +18,9 @@ from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
 
-RAMP_S, SETTLES_S, RESTS_S = 0.1, 0.1, 0.4
+RAMP_S = 0.1
+SETTLES_S = 0.1
+RESTS_S = 0.4
 MOTION = 2e-4, -1e-3, 2e-3
 """Of the left support's reference point at the end [m, m, rad]."""
 
@@ -45,7 +47,8 @@ def settle(solver):
     solver.start(NO_MOTION, GRAVITY * np.arange(ramp + 1) / ramp)
     advance(solver, 4 * ramp)
     solver.start(NO_MOTION, np.array([GRAVITY]))
-    before, steps = solver.instants(), every * round(SETTLES_S / dt / every)
+    before = solver.instants()
+    steps = every * round(SETTLES_S / dt / every)
     velocities = np.zeros((2, 3))
     velocities[0] = np.divide(MOTION, steps * dt)
     solver.move_supports(velocities)

@@ -56,7 +56,8 @@ class Scene:
 
 def slide():
     scene = Scene(Wall("pair", length=0.225, height=0.15, precompression=0.0))
-    contacts, upper = scene.layout.contacts, [1, 2]
+    contacts = scene.layout.contacts
+    upper = [1, 2]
     joint = np.flatnonzero((contacts.kind == BED) & (contacts.first >= 0))
     area = contacts.area[joint].sum()
     scene.step()
@@ -85,7 +86,8 @@ def tilt():
     block = Brick(length=0.2, height=0.8, thickness=0.1)
     dry = Joint(tensile_strength=0.0, cohesion=0.0)
     scene = Scene(Wall("block", 0.2, 0.8, brick=block, joint=dry, precompression=0.0))
-    contacts, state = scene.layout.contacts, scene.reader.states[0]
+    contacts = scene.layout.contacts
+    state = scene.reader.states[0]
     outermost = int(np.argmax(contacts.x))
     arm = np.array([0.1 - contacts.x[outermost], 0.4])  # from the contact point to the centre
     scene.move([0], 0.0, 1e-4, 3)  # breaks all bonds
@@ -93,7 +95,8 @@ def tilt():
     upright = state.ori  # now that the tips are on
     rows = []
     for angle in (0.006, 0.025, 0.062):
-        cos, sin = math.cos(angle), math.sin(angle)
+        cos = math.cos(angle)
+        sin = math.sin(angle)
         state.pos = Vector3(
             contacts.x[outermost] + cos * arm[0] + sin * arm[1], 0, cos * arm[1] - sin * arm[0]
         )

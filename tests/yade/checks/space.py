@@ -41,7 +41,8 @@ from damage.wall.layout import lay_out
 from damage.wall.restraints import Restraint
 from yade_scripts.solver import YadeSolver
 
-BRICK, STRONG = Brick(0.4, 0.2, 0.2), Joint(tensile_strength=1e6, cohesion=1e6)
+BRICK = Brick(0.4, 0.2, 0.2)
+STRONG = Joint(tensile_strength=1e6, cohesion=1e6)
 SIZE = {"height": 0.8, "precompression": 0, "brick": BRICK, "joint": STRONG}
 """Of the walls of box and tilt."""
 
@@ -77,10 +78,26 @@ def rising(solver, multiplier, columns=3):
 
 def continued(solver, gravity):
     """Another solver that takes over from the checkpoint of one; gravity [m/s2]."""
-    tables, other = solver.checkpoint(), YadeSolver(solver.layout, solver.time_step)
+    tables = solver.checkpoint()
+    other = YadeSolver(solver.layout, solver.time_step)
     other.start(NO_MOTION, np.array([gravity]))
     other.restore(tables)
     return other
+
+
+def quarter_period(thickness, height, angle):
+    """Time [s] in which a rigid block on an edge falls back from an angle [rad] to upright, by its
+    equation of motion, in steps of a microsecond.  thickness, height: of the block [m]."""
+    alpha = math.atan(thickness / height)
+    rate = 3 * GRAVITY / (2 * math.hypot(thickness, height))  # m g R / I about the edge
+    time = 0.0
+    speed = 0.0
+    step = 1e-6
+    while angle > 0:
+        speed -= step * rate * math.sin(alpha - angle)
+        angle += step * speed
+        time += step
+    return time
 
 
 def block():
@@ -88,7 +105,8 @@ def block():
     it would fall, by YADE and by its equation of motion; and by how much the largest opening, out
     of reach of the contacts at first, differs from thickness times angle [m].  Half-way another
     solver takes over from a checkpoint: which contacts were out of reach then, and at the end."""
-    thick, high = 0.1, 1.0
+    thick = 0.1
+    high = 1.0
     brick = Brick(length=0.4, height=high, thickness=thick, young_modulus=1e14, shear_modulus=1e14)
     joint = Joint(1e11, 4e10, tensile_strength=0, cohesion=0)
     wall = Wall(
@@ -96,18 +114,22 @@ def block():
     )
     solver = solver_of(House("block", [Placed(wall, direction=37)]))
     alpha = math.atan(thick / high)
-    angle, axes = 0.4 * alpha, solver.layout.of_body[0]
+    angle = 0.4 * alpha
+    axes = solver.layout.of_body[0]
     *below, state = solver.scene.states
     for half in below:
         half.blockedDOFs = "xyzXYZ"
     foot = Vector3(*axes[1]) * -thick / 2 + Vector3(*(axes[0] * 0.2)) + Vector3(0, 0, high)
     turn = Quaternion(Vector3(*axes[0]), angle)
-    state.pos, state.ori = foot + turn * (state.pos - foot), turn * state.ori
+    state.pos = foot + turn * (state.pos - foot)
+    state.ori = turn * state.ori
     for joint in range(solver.layout.n_joints):  # dry from the start
         solver.tracker.breaks(joint, "tension", 0.0, 0.0)
         solver.model.loosen(joint)
     solver.start(NO_MOTION, np.array([GRAVITY]))
-    times, angles, gaps = [], [], []
+    times = []
+    angles = []
+    gaps = []
 
     def look(now):
         times.append(float(now.clock[0]) * O.dt)
@@ -116,19 +138,18 @@ def block():
         return angles[-1] > 0 or len(times) < 3
 
     solver.advance(int(0.1 / O.dt), 10, look)
-    gone, solver = sorted(solver.model.gone), continued(solver, GRAVITY)
+    gone = sorted(solver.model.gone)
+    solver = continued(solver, GRAVITY)
     solver.advance(int(0.25 / O.dt), 10, look)
     quarter = np.interp(0.0, angles[:-3:-1], times[:-3:-1])
-    radius = math.hypot(thick, high) / 2
-    rate = 3 * GRAVITY / (4 * radius)  # m g R / I about the edge
-    exact, speed, step = 0.0, 0.0, 1e-6
-    while angle > 0:
-        speed -= step * rate * math.sin(alpha - angle)
-        angle += step * speed
-        exact += step
     gap = float(np.abs(gaps[2:]).max())
     left = sorted(solver.model.gone)
-    return {"quarter_s": float(quarter), "exact_s": exact, "gap_m": gap, "gone": [gone, left]}
+    return {
+        "quarter_s": float(quarter),
+        "exact_s": quarter_period(thick, high, angle),
+        "gap_m": gap,
+        "gone": [gone, left],
+    }
 
 
 def box():
@@ -149,12 +170,14 @@ def box():
         Diaphragm(0.4, names, 300, "concrete"),
         Diaphragm(0.8, ("left", "right"), 50, anchor_spacing=0.4),
     ]
-    solver, seen = solver_of(House("box", fronts + sides, corners, floors)), []
+    solver = solver_of(House("box", fronts + sides, corners, floors))
+    seen = []
     base = np.zeros((401, 3))
     base[:, 0] = GRAVITY * np.sin(2 * np.pi * np.arange(401) / 200)
     solver.start(base, np.zeros(1))
     solver.advance(400, 1, lambda now: seen.append(now) or True)
-    now, layout = seen[-1], solver.layout
+    now = seen[-1]
+    layout = solver.layout
     moved = np.column_stack([now.displacement[0], now.out_of_plane[0]])
     moved = np.einsum("ni,nij->nj", moved[:, [0, 3, 1]], layout.of_body)
     force = np.array([one.support_force[0, 0, 0] for one in seen])
@@ -189,7 +212,8 @@ def front_between(joint):
 def dry():
     """Of a dry front that slides between two side walls, over the work that came in: all energies,
     that of friction, and what YADE's own sum lacks of it."""
-    solver, seen = solver_of(front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0))), []
+    solver = solver_of(front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)))
+    seen = []
     solver.start(NO_MOTION, np.array([GRAVITY]))
     solver.advance(300)
     steps = 2500
@@ -197,7 +221,8 @@ def dry():
     base[:, 0] = 1.5 * GRAVITY * np.sin(2 * np.pi * np.arange(steps) * O.dt / 0.05)
     solver.start(base, np.array([GRAVITY]))
     solver.advance(steps - 500, 500, lambda now: seen.append(now) or True)
-    first, last = seen[0], seen[-1]
+    first = seen[0]
+    last = seen[-1]
     names = "kinetic_j", "elastic_j", "friction_j", "fracture_j", "input_j"
     kinetic, elastic, friction, fracture, given = (
         float((getattr(last, name) - getattr(first, name))[0]) for name in names
@@ -221,10 +246,13 @@ def tilt():
     slab = Diaphragm(0.8, ("a", "b"), 300, "concrete", 0.2)
     house = House("pair", walls, floors=[slab], heading=30)
     solver = solver_of(house, ModelOptions(supports="bricks"))
-    layout, scene, rate = solver.layout, solver.scene, 1e-3
+    layout = solver.layout
+    scene = solver.scene
+    rate = 1e-3
     axis = np.array([*scene.push_axis])
     about = rate * np.cross(axis, [0.0, 0.0, 1.0])
-    start, of_body = layout.ground_left.min() * axis, layout.of_body
+    start = layout.ground_left.min() * axis
+    of_body = layout.of_body
     place = layout.centres
     speed = np.einsum("nij,nj->ni", of_body, np.cross(about, place - start))
     along, across, _ = (of_body @ about).T
@@ -273,7 +301,8 @@ def bonded():
     as it grows to 3 g in 0.6 s; and the same by the elastic stresses under it and the weight."""
     joint = Joint(5e9, 2e9, math.atan(0.7), tensile_strength=2e4, cohesion=3e4)
     solver = solver_of(front_between(joint))
-    layout, steps = solver.layout, int(0.6 / O.dt)
+    layout = solver.layout
+    steps = int(0.6 / O.dt)
     weight, push = (elastic_stresses(layout, one) for one in ([0, 0, -1.0], [0, -1.0, 0]))
     for least in np.arange(0.0, 3.0, 0.001):
         normal, *shear = (weight + least * push).T
@@ -307,7 +336,8 @@ def _failure(layout, multiplier, joint):
 def corner(*multipliers):
     """Whether a front of 1.2 x 0.8 m between side walls of 1.0 m falls: speed of its top [mm/s],
     and how many bricks have moved, after 0.8 s under each acceleration."""
-    house, found = front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)), {}
+    house = front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0))
+    found = {}
     for multiplier in multipliers:
         solver = solver_of(house)
         settle(solver)
@@ -323,7 +353,10 @@ def corner(*multipliers):
     return found
 
 
-THICK, HIGH, WIDE, DENSITY = 0.2, 2.4, 0.4, 2000.0
+THICK = 0.2
+HIGH = 2.4
+WIDE = 0.4
+DENSITY = 2000.0
 """Of a strip [m, kg/m3]."""
 
 
@@ -358,8 +391,12 @@ def strip(strength, *multipliers):
 
 
 def _bent(solver, multiplier):
-    layout, moved, seen, failed = solver.layout, [0.0], [], {}
-    contacts, middle = layout.contacts, np.abs(layout.bodies.z - HIGH / 2).argmin()
+    layout = solver.layout
+    moved = [0.0]
+    seen = []
+    failed = {}
+    contacts = layout.contacts
+    middle = np.abs(layout.bodies.z - HIGH / 2).argmin()
     settle(solver)
     base = rising(solver, multiplier, layout.MOTION_AXES)
     solver.start(base, np.array([GRAVITY]))
@@ -387,7 +424,9 @@ def _bent(solver, multiplier):
 def leaves(share=1 / 3):
     """Solver of two blocks on the ground, 0.2 m apart, with a tie between their middles, and the
     compliance of one there [m/N], by sliding and rocking."""
-    size, thick, high = 0.4, 0.1, 0.2
+    size = 0.4
+    thick = 0.1
+    high = 0.2
     joint = Joint(1e10, 4e9, tensile_strength=1e7, cohesion=1e7)
     brick = Brick(size, high, thick, young_modulus=1e14, shear_modulus=1e14)
     walls = [
@@ -403,7 +442,8 @@ def leaves(share=1 / 3):
 def masonries():
     """How far [mm] two dry blocks with a friction of 0.4 and 0.6 slide in 0.2 s under 0.5 g, and
     the one with less by hand."""
-    size, walls = {"length": 0.4, "height": 0.2, "precompression": 0}, []
+    size = {"length": 0.4, "height": 0.2, "precompression": 0}
+    walls = []
     for y, friction in ((0, 0.6), (1, 0.4)):
         joint = Joint(1e10, 4e9, math.atan(friction), tensile_strength=0, cohesion=0)
         brick = Brick(0.4, 0.2, 0.2, density=4000 * friction)
@@ -433,7 +473,8 @@ def ties():
         solver, compliance = leaves()
         solver.damp(local=0.7)
         solver.start(NO_MOTION, np.zeros(1))
-        force, share = 0.0, 0.0
+        force = 0.0
+        share = 0.0
         while solver.ties.failed == 0:
             share = float(solver.ties.forces()[0]) * sign / force if force else 0.0
             force += 50.0

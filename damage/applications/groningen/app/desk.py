@@ -40,14 +40,12 @@ from damage.wall.layout import lay_out
 from damage.wall.model_options import ModelOptions
 from damage.wall.new import as_toml
 
-HOUSE, PHOTO, STRAIGHT, SURVEY, LEVELS, LOG = (
-    "house.toml",
-    "photo.jpg",
-    "straight.jpg",
-    "survey.csv",
-    "levels.csv",
-    "claim.log",
-)
+HOUSE = "house.toml"
+PHOTO = "photo.jpg"
+STRAIGHT = "straight.jpg"
+SURVEY = "survey.csv"
+LEVELS = "levels.csv"
+LOG = "claim.log"
 STEP_OF = {HOUSE: 2, PHOTO: 3, SURVEY: 4, LEVELS: 5}
 """{file: step of the page that makes it}."""
 RESULTS = "claim"
@@ -60,7 +58,9 @@ SHOWN = {
     SURVEY: "text/csv; charset=utf-8",
 }
 """{file that the page may show: its type}."""
-MOST_TEXT, MOST_LINES, MOST_POINTS = 200_000, 500, 500
+MOST_TEXT = 200_000
+MOST_LINES = 500
+MOST_POINTS = 500
 """Characters of a text that is typed; cracks and areas of a survey; points of each."""
 EVENTS = 8
 """Earthquakes that the page lists."""
@@ -356,7 +356,8 @@ class Desk:
 
     def progress(self):
         """How far the runs are: the last lines of their log."""
-        log, status = self.path(LOG), self.job and self.job.poll()
+        log = self.path(LOG)
+        status = self.job and self.job.poll()
         text = log.read_text(encoding="utf-8", errors="replace") if log.exists() else ""
         lines = text.replace("\r", "\n").split("\n")
         shares = SHARE.findall(text)
@@ -386,7 +387,8 @@ class Desk:
 
     def state(self):
         """What there is already of the claim: after a restart the page continues with it."""
-        house, survey = self.path(HOUSE), self.path(SURVEY)
+        house = self.path(HOUSE)
+        survey = self.path(SURVEY)
         layout = self.layout() if house.exists() else None
         on_joints = None
         with contextlib.suppress(InputError):  # of another front
@@ -419,7 +421,8 @@ def _laid_out(path):
 def _edges(wall):
     """Corners of a Wall's outline (n, 2) [m]: both of its base, then its top from the right end to
     the left."""
-    length, height = wall.length, wall.built_height
+    length = wall.length
+    height = wall.built_height
     top = wall.outline or ((0.0, height), (length, height))
     return np.array([(0.0, 0.0), (length, 0.0), *reversed(top)])
 
@@ -428,7 +431,9 @@ def _drawn(layout, text):
     """What the page draws of a Layout, fit for JSON [m]: size, corners to straighten by, outline,
     bricks (x, z, length, height), openings (left, lower, right, upper edge) and levels of floors as
     built; its text in TOML, and the table of that."""
-    bodies, n, wall = layout.bodies, layout.n_below_caps, layout.wall
+    bodies = layout.bodies
+    n = layout.n_below_caps
+    wall = layout.wall
     bricks = np.column_stack([bodies.x, bodies.z, bodies.length, bodies.height])[:n]
     return {
         "text": text,
@@ -463,7 +468,8 @@ def _openings(plan):
 def _compare_openings(plan, marked, to_wall):
     """InputError where openings that were marked in a photograph, two opposite corners in pixels
     each, lie more than a course from those of a Plan; to_wall: (3, 3) from pixels to the wall."""
-    built, course = _openings(plan), plan.wall.brick.height
+    built = _openings(plan)
+    course = plan.wall.brick.height
     if len(built) and not len(marked):
         raise InputError(
             "no opening of the photograph is marked; expected two opposite corners of one or more;"
@@ -471,7 +477,8 @@ def _compare_openings(plan, marked, to_wall):
         )
     for pixels in marked:
         u, v, w = to_wall @ np.column_stack([pixels, np.ones(2)]).T
-        x, z = np.sort(u / w), np.sort(v / w)
+        x = np.sort(u / w)
+        z = np.sort(v / w)
         apart = np.abs(built - [x[0], z[0], x[1], z[1]]).max(axis=1)
         if not (apart <= course).any():
             raise InputError(
@@ -492,7 +499,8 @@ def _units(units):
 
 def _redrawn(pattern):
     """Cracks and areas of a CrackPattern that the page wrote, as it draws them."""
-    seen, parts = {1.0: "yes", 0.0: "no"}, pattern.stretches.assign(seen=pattern.offset)
+    seen = {1.0: "yes", 0.0: "no"}
+    parts = pattern.stretches.assign(seen=pattern.offset)
     cracks = []
     for _, line in parts.groupby("line"):
         ends = line[list(ENDS)].to_numpy(float)

@@ -8,12 +8,16 @@ import numpy as np
 
 from damage.errors import InputError
 
-MOST_BYTES, MOST_PIXELS, LONGEST_PX = 20_000_000, 50_000_000, 4000
+MOST_BYTES = 20_000_000
+MOST_PIXELS = 50_000_000
+LONGEST_PX = 4000
 """What an upload may have; longer sides are made smaller."""
 FORMATS = "JPEG", "PNG"
 MARGIN_M = 0.1
 """How much is shown around the wall [m]."""
-_MOST_PX, _MOST_PX_M = 2400, 400  # of a rectified picture: its longer side, and pixels in a metre
+# of a rectified picture: its longer side, and pixels in a metre
+_MOST_PX = 2400
+_MOST_PX_M = 400
 _LEAST_SHARE = 1e-4  # of the picture's area that four points have to enclose
 
 
@@ -70,10 +74,8 @@ def homography(here, there):
 def turns(points):
     """Twice the signed area at each corner of a quadrilateral (4, 2)."""
     points = np.asarray(points, float)
-    one, two = (
-        np.roll(points, -1, axis=0) - points,
-        np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0),
-    )
+    one = np.roll(points, -1, axis=0) - points
+    two = np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0)
     return one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
 
 
@@ -93,7 +95,8 @@ def rectified(jpeg, pixels, places, length, height):
             "the four points lie too near each other; expected corners as far apart as can be; mark"
             " them again"
         )
-    wide, high = length + 2 * MARGIN_M, height + 2 * MARGIN_M
+    wide = length + 2 * MARGIN_M
+    high = height + 2 * MARGIN_M
     px_m = min(_MOST_PX_M, _MOST_PX / max(wide, high))
     size = round(wide * px_m), round(high * px_m)
     here = [((x + MARGIN_M) * px_m, (height + MARGIN_M - z) * px_m) for x, z in places]

@@ -46,7 +46,8 @@ SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inli
 """Of the sheet, which has its style and pictures in itself; it can be printed."""
 CALLS = ["address", "front", "sketch", "size", "straighten", "survey", "levels", "start", "stop"]
 """Methods of Desk that the page asks for."""
-COOKIE, HEADER = "damage_app", "X-Damage-Token"
+COOKIE = "damage_app"
+HEADER = "X-Damage-Token"
 WITHOUT_PORT = 80
 """The port that browsers leave out of Host and Origin."""
 DOOR = (
@@ -196,7 +197,8 @@ def serve(out, port=0, opened=True):
         def log_request(self, *_):  # the address of the first one has the token
             pass
 
-    token, root = secrets.token_urlsafe(32), f"/{secrets.token_hex(8)}"
+    token = secrets.token_urlsafe(32)
+    root = f"/{secrets.token_hex(8)}"
     _check_port(port)
     server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
     server.app = app = make_app(out, server.server_port, token, root)

@@ -19,7 +19,8 @@ from damage.units import MILLIMETRE
 
 PRIORS = 0.1, 0.5, 0.8
 """Probabilities that the ground settled [-]."""
-STRANGEST, MOST_OFF_JOINTS = 0.95, 0.2
+STRANGEST = 0.95
+MOST_OFF_JOINTS = 0.2
 SURE = 0.9
 """Share of worlds that is called an answer, where the whole interval is beyond it by every
 prior."""
@@ -72,14 +73,16 @@ def share(hits, weight):
     total = weight.sum()
     if total == 0:
         return {"share": None, "low": None, "high": None, "draws": 0.0}
-    p, n = float((weight * hits).sum() / total), effective(weight)
+    p = float((weight * hits).sum() / total)
+    n = effective(weight)
     low, high = wilson(p, n)
     return {"share": p, "low": low, "high": high, "draws": n}
 
 
 def wilson(p, n):
     """Wilson's 95 % interval of a share p of n."""
-    middle, half = p + Z95**2 / (2 * n), Z95 * np.sqrt(p * (1 - p) / n + Z95**2 / (4 * n * n))
+    middle = p + Z95**2 / (2 * n)
+    half = Z95 * np.sqrt(p * (1 - p) / n + Z95**2 / (4 * n * n))
     return float(max(0.0, (middle - half) / (1 + Z95**2 / n))), float(
         min(1.0, (middle + half) / (1 + Z95**2 / n))
     )
@@ -119,7 +122,8 @@ def widths(worlds, surveyed_mm=None, error_mm=0.0):
 
 def quantiles(values, weight, shares=RANGE):
     """Weighted quantiles of values of any shape, a list of float; None without a weight."""
-    values, weight = np.ravel(values), np.ravel(weight)
+    values = np.ravel(values)
+    weight = np.ravel(weight)
     if not weight.sum() > 0:
         return None
     order = np.argsort(values, kind="stable")
@@ -182,7 +186,8 @@ def _of_crack(width_m, case, likeness, answered):
     wall that fell without it has the crack, of no width."""
     if width_m is None:
         return {"said": "open", "shares": {}, "width_mm": None}
-    shares, ranges = {}, []
+    shares = {}
+    ranges = []
     for prior in PRIORS:
         worlds = worlds_of(width_m, prior, likeness)
         width = worlds.width[case]
@@ -204,7 +209,8 @@ def reasons(survey, tables_draws, strange):
     survey: as dictionary (`Survey.as_dict`); tables_draws: smallest effective number of the second
     table; strange: share of draws that are less strange.
     """
-    widest_mm, limit_mm = survey["max_width_mm"], THRESHOLD / MILLIMETRE
+    widest_mm = survey["max_width_mm"]
+    limit_mm = THRESHOLD / MILLIMETRE
     off = 1 - survey["share_on_joints"]
     found = [
         ("draws", tables_draws, tables_draws < LEAST_DRAWS),

@@ -64,7 +64,9 @@ class _Said:
     """A stream that has its lines in a language."""
 
     def __init__(self, stream, language):
-        self._stream, self._language, self._begun = stream, language, ""
+        self._stream = stream
+        self._language = language
+        self._begun = ""
 
     def write(self, text):
         *lines, self._begun = (self._begun + text).split("\n")

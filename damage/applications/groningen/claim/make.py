@@ -76,7 +76,8 @@ def make_claim(claim, out, jobs, remake=False):
 
     remake: draws of another version, which are refused otherwise.
     """
-    out, steps = Path(out).absolute(), steps_to(claim.draws)
+    out = Path(out).absolute()
+    steps = steps_to(claim.draws)
     drawn_from = draws_of(claim.address)
     drawn_from.life(1)  # says what is wrong before anything is written
     layout = layout_of(claim.wall, claim.units)

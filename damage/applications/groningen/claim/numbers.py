@@ -34,7 +34,8 @@ from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
 
-SHOWN_EVENTS, SHOWN_NEAREST = 5, 3
+SHOWN_EVENTS = 5
+SHOWN_NEAREST = 3
 ENOUGH = 0.1
 """Half-width of the widest interval of the first table up to which no more draws are asked for
 [-]."""
@@ -79,16 +80,18 @@ def answers(twins, likeness, survey):
     no answer, where everything is open.  Of those that resemble it counts what lies where it
     looked."""
     away, like, strange = likeness
-    known, seen_m = survey.as_dict(), twins.widest_of(survey.looked_at)
-    first, second, wide, number = {}, {}, {}, {}
+    known = survey.as_dict()
+    seen_m = twins.widest_of(survey.looked_at)
+    first = {}
+    second = {}
+    wide = {}
+    number = {}
     for prior in map(str, PRIORS):
         every = worlds_of(twins.width_m, float(prior))
         worlds = worlds_of(seen_m, float(prior), like)
-        first[prior], second[prior], number[prior] = (
-            table(every),
-            table(worlds),
-            effective(worlds.weight),
-        )
+        first[prior] = table(every)
+        second[prior] = table(worlds)
+        number[prior] = effective(worlds.weight)
         wide[prior] = {
             "all_draws": widths(every),
             "like_survey": widths(worlds, known["max_width_mm"], known["width_error_mm"]),
@@ -149,7 +152,8 @@ def largest_share(draws):
 
 def shaking(exposure, twins):
     """What shook the house: the events of the largest median PGV, and the end of the list."""
-    found, gain = exposure.as_dict(), mean_gains(twins.events[SHAKEN])
+    found = exposure.as_dict()
+    gain = mean_gains(twins.events[SHAKEN])
     events = [
         event | {"mean_psi_added": gain.get(event["id"], 0.0)}
         for event in strongest(found, SHOWN_EVENTS)

@@ -29,12 +29,16 @@ from damage.measure.cracks import cracked, ends_of
 from damage.measure.evidence import evidence_for
 from damage.units import MILLIMETRE
 
-NUMBERS, SHEET, FORMER = "claim.json", "claim.html", "former-"
+NUMBERS = "claim.json"
+SHEET = "claim.html"
+FORMER = "former-"
 """Files of the numbers and the sheet; what their names begin with once they are of an earlier
 command."""
 LETTERS = 32
 """Of pictures: how often the height of letters goes into the size of the front."""
-MARGIN_MM, THINNEST_MM, DRAWN_MM = 60, 10, 40
+MARGIN_MM = 60
+THINNEST_MM = 10
+DRAWN_MM = 40
 """Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and
 what 1 mm adds."""
 _LIMITS = {
@@ -57,7 +61,8 @@ def set_aside(out):
 def sheet(numbers, wall, survey, twins, language, json_name):
     """The text of the sheet; numbers: of `numbers_of`; wall: Layout; survey: Survey; json_name:
     file of all numbers."""
-    say, shown = partial(words, language), partial(number, language)
+    say = partial(words, language)
+    shown = partial(number, language)
 
     def ranges(three):
         if not three:
@@ -100,7 +105,8 @@ def _software(made_by):
 def in_words(numbers, language="en"):
     """{"answer": sentences of the verdict, "why": sentences on why there is none, empty where there
     is one, "helps": what would give one}, lists."""
-    say, shown = partial(words, language), partial(number, language)
+    say = partial(words, language)
+    shown = partial(number, language)
     why = [
         say(
             f"why_{one['why']}",
@@ -119,7 +125,8 @@ def in_words(numbers, language="en"):
 
 def whether_more_draws_help(numbers, language):
     """A sentence on what more draws would give, None where an answer does not lack them."""
-    say, shown = partial(words, language), partial(number, language)
+    say = partial(words, language)
+    shown = partial(number, language)
     if not numbers["no_answer"]:
         return None
     if not lacks_draws(numbers):
@@ -127,7 +134,8 @@ def whether_more_draws_help(numbers, language):
     needed = draws_needed(numbers)
     if np.isfinite(needed):
         return say("more_in_proportion", n=shown(needed), limit=LEAST_DRAWS)
-    share, most = largest_share(numbers["draws"]), numbers["draws_to_come"] or MOST_DRAWS
+    share = largest_share(numbers["draws"])
+    most = numbers["draws_to_come"] or MOST_DRAWS
     return say(
         "more_of_none",
         can=say("more_can" if share * most >= LEAST_DRAWS else "more_cannot"),
@@ -198,7 +206,8 @@ def _answer(numbers, say, shown):
 
 
 def _taken(numbers, say, shown):
-    given, survey = numbers["settlement"], numbers["survey"]
+    given = numbers["settlement"]
+    survey = numbers["survey"]
     if "drawn" in given:
         least, most = (round(1 / one) for one in given["distortion"])
         ground = say("settled_drawn", least=least, most=most)
@@ -265,7 +274,8 @@ def outside_at_rest(wall, language):
 
 
 def _evidence(evidence, language):
-    say, shown = partial(words, language), partial(number, language)
+    say = partial(words, language)
+    shown = partial(number, language)
     outside = [
         say(
             "quantity_outside",
@@ -290,7 +300,8 @@ def _evidence(evidence, language):
 
 def _pictures(numbers, wall, survey, twins, say, shown):
     """(SVG, caption) of the survey and of the nearest computed walls."""
-    of, parts = numbers["survey"], survey.pattern.stretches
+    of = numbers["survey"]
+    parts = survey.pattern.stretches
     caption = say(
         "survey_is",
         cracks=of["cracks"],
@@ -330,8 +341,10 @@ def _pictures(numbers, wall, survey, twins, say, shown):
 def front(wall, ends, width_m, colour, label, names=()):
     """SVG of a Layout's bricks with cracks: ends (n, 2, 2) [m], width_m (n,); widths are drawn
     larger; names: (text, x, z) of labels."""
-    bodies, n = wall.bodies, wall.n_bricks
-    length, height = wall.wall.length / MILLIMETRE, wall.wall.built_height / MILLIMETRE
+    bodies = wall.bodies
+    n = wall.n_bricks
+    length = wall.wall.length / MILLIMETRE
+    height = wall.wall.built_height / MILLIMETRE
 
     def mm(value):
         return f"{value / MILLIMETRE:.0f}"

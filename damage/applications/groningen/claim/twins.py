@@ -33,7 +33,8 @@ from damage.provenance import UNKNOWN
 from damage.wall.geometry import joint_table, tributary_ends
 
 NAME = "claim.toml"
-SHAKEN, BOTH = "shaken", "both"
+SHAKEN = "shaken"
+BOTH = "both"
 """Points of the study."""
 STATES = {
     "none": (SHAKEN, START),
@@ -139,7 +140,8 @@ def read_twins(folder, layout):
     """The Twins of a claim's folder whose runs are both done; layout: of the wall.  Raises
     InputError without one."""
     folder = Path(folder)
-    study, records = load_study(folder / NAME, "reference"), read_records(folder)
+    study = load_study(folder / NAME, "reference")
+    records = read_records(folder)
     done = {SHAKEN: {}, BOTH: {}}
     for run in study.runs:
         of = {

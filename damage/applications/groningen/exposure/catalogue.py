@@ -30,7 +30,8 @@ from damage.files import DATA, text_lines, write_text
 
 SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
 """The catalogue that ships: its README says what it is."""
-SHALLOW_KM, DEEPEST_KM = 5.0, 10.0
+SHALLOW_KM = 5.0
+DEEPEST_KM = 10.0
 """Depths beyond which events are named, since models take the field's 3 km, and are left out: 10 km
 is what agencies without near stations fix, and no gas field is deeper."""
 BESIDE_KM = 10.0
@@ -44,7 +45,8 @@ MOST_GAP_DAYS = 60
 week or two."""
 _EARTHQUAKE = "earthquake", "induced", "triggered", "extraction", "injection"
 _NO_TYPE = "", "not reported", "unknown"
-_GRID, _DEGREES = ("easting_rd_m", "northing_rd_m"), ("latitude", "longitude")
+_GRID = ("easting_rd_m", "northing_rd_m")
+_DEGREES = ("latitude", "longitude")
 _WORDS = Column("", "", "U")
 _CSV = {
     **dict.fromkeys(("date_utc", "time_utc", "field", "place", "knmi_id"), _WORDS),
@@ -111,7 +113,8 @@ class Catalogue:
         """The events of the years `first` to `last`, both included, None for the catalogue's own.
         Raises InputError for years that it does not have, or that hold no event."""
         begins, ends = self.years
-        first, last = begins if first is None else first, ends if last is None else last
+        first = begins if first is None else first
+        last = ends if last is None else last
         for option, year in (("--from", first), ("--to", last)):
             if not begins <= year <= ends:
                 raise InputError(
@@ -159,7 +162,8 @@ def read_catalogue(path=SHIPPED):
 def with_later(path, base=SHIPPED):
     """The Catalogue at `base` with the events of the file at `path` that are later than its last
     one, and sentences on what the file adds.  Raises InputError where it adds none."""
-    known, found = read_catalogue(base), read_catalogue(path)
+    known = read_catalogue(base)
+    found = read_catalogue(path)
     later = np.array([time > known.end for time in found.time])
     if not later.any():
         raise InputError(
@@ -276,7 +280,8 @@ def _catalogue(path, table, times, leave_out=False):
     )
     found["id"] = found["id"].mask(found["id"].str.strip() == "", times)
     away = found["line"][outside]
-    found, notes = found[~outside].sort_values("time", kind="stable", ignore_index=True), []
+    found = found[~outside].sort_values("time", kind="stable", ignore_index=True)
+    notes = []
     if Path(path) != SHIPPED:
         found, notes = _of_the_field(found)
         notes = [f"left out as outside the Netherlands: {_lines(away)}"] * bool(len(away)) + notes
@@ -294,10 +299,12 @@ def _catalogue(path, table, times, leave_out=False):
 def _of_the_field(table):
     """The events of a table, in the order of time, that the models are for, and notes on the
     others."""
-    depth, kinds = table["depth"], table["type"].str.strip().str.lower()
+    depth = table["depth"]
+    kinds = table["type"].str.strip().str.lower()
     no_quake = ~kinds.isin(_NO_TYPE) & ~kinds.str.contains("|".join(_EARTHQUAKE))
     field_km = np.array(list(map(from_field_km, table["x_m"], table["y_m"])))
-    kept, notes = np.ones(len(table), bool), []
+    kept = np.ones(len(table), bool)
+    notes = []
     for out, words in (
         (no_quake, "no earthquake by its type"),
         (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
@@ -326,7 +333,8 @@ def _one_by_one(events):
     """The index of the events of a table without those of an earthquake that is there already, of
     which the highest rank stays, and (kept, left out, seconds, km) of each of these, rows as
     tuples."""
-    kept, pairs = [], []
+    kept = []
+    pairs = []
     for one in events.itertuples():
         for place in reversed(range(len(kept))):
             other = kept[place]

@@ -63,7 +63,8 @@ class Exposure:
     def warnings(self):
         """Sentences on what is doubtful: of the catalogue, and of distances."""
         strongest = int(np.argmax(self.median_mm_s))
-        km, found = self.distance_km[strongest], list(self.catalogue.notes)
+        km = self.distance_km[strongest]
+        found = list(self.catalogue.notes)
         if km > REACH_KM:
             found.append(
                 f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is"
@@ -109,7 +110,8 @@ class Exposure:
 
     def table(self):
         """DataFrame with a row an event in the order of time; columns: `TABLES`."""
-        events, median = self.catalogue, self.median_mm_s
+        events = self.catalogue
+        median = self.median_mm_s
         latitude, longitude = to_wgs84(events.x_m.astype(float), events.y_m.astype(float))
         columns = [
             [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time],

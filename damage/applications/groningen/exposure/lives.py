@@ -154,7 +154,8 @@ class Draws:
     def digest(self):
         """SHA-256 of what lives are drawn from besides the seed and choices: events, their medians,
         the components, and the content of their records."""
-        events, components = self.exposure.catalogue, self.components
+        events = self.exposure.catalogue
+        components = self.components
         records = [
             read_record(shipped_records()[name]).sha256
             for name in sorted(set(components["record"]))
@@ -175,7 +176,8 @@ class Draws:
         random = draws.Draws([self.choices.seed, number])
         n_events = len(self.exposure.median_mm_s)
         event, site, within = self.exposure.model.draw(random, 1, n_events)
-        share, sign = random.uniform(n_events), 2.0 * random.below(2, n_events) - 1.0
+        share = random.uniform(n_events)
+        sign = 2.0 * random.below(2, n_events) - 1.0
         return (
             to_bits(self.exposure.median_mm_s * exp((event + site + within)[0, :, 0])),
             share,
@@ -253,7 +255,8 @@ class Draws:
         The component is that at the share of those that may be scaled to the PGV; without a share
         the one whose factor is nearest to 1.
         """
-        events, rows = self.exposure.catalogue, []
+        events = self.exposure.catalogue
+        rows = []
         for k, pgv, sign, share in motions:
             fit, factor = self._fitting(pgv)
             which = (
@@ -340,11 +343,13 @@ def strong_window(name, start_s, end_s, shares):
     """Part (start, end) [s] of a record's window that leaves out these shares of its Arias
     intensity, rounded outwards."""
     record = read_record(shipped_records()[name])
-    time, squared = record.time_s, record.acceleration_m_s2**2
+    time = record.time_s
+    squared = record.acceleration_m_s2**2
     inside = (time >= start_s) & (time <= end_s)
     arias = np.cumsum(squared * inside) / np.sum(squared * inside)
     first, last = np.searchsorted(arias, [shares[0], 1 - shares[1]])
-    first, last = np.floor(time[first] / TENTH_S), np.ceil(time[min(last, len(time) - 1)] / TENTH_S)
+    first = np.floor(time[first] / TENTH_S)
+    last = np.ceil(time[min(last, len(time) - 1)] / TENTH_S)
     return max(start_s, float(first) * TENTH_S), min(end_s, float(last) * TENTH_S)
 
 

@@ -30,7 +30,9 @@ _TERMS = {
     ).groupby("of")
 }
 """{result: [(power of the first, power of the second, coefficient)]}."""
-_ORIGIN_RD, _ORIGIN_DEG = (155000.0, 463000.0), (52.15517440, 5.38720621)  # Amersfoort
+# Amersfoort
+_ORIGIN_RD = (155000.0, 463000.0)
+_ORIGIN_DEG = (52.15517440, 5.38720621)
 
 
 @dataclass(frozen=True)

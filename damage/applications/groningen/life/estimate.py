@@ -19,7 +19,8 @@ import numpy as np
 from damage.errors import InputError
 
 Z95 = 1.959964
-MOST_STRATA, LEAST_IN_STRATUM = 10, 5
+MOST_STRATA = 10
+LEAST_IN_STRATUM = 5
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ def probability(hits, largest, population):
     if len(hits) < 2:
         raise InputError(f"{len(hits)} lives: expected at least two; give --draws 100")
     edges = strata(largest, population)
-    mine, theirs = np.searchsorted(edges, largest), np.searchsorted(edges, population)
+    mine = np.searchsorted(edges, largest)
+    theirs = np.searchsorted(edges, population)
     count = np.bincount(mine, minlength=len(edges) + 1)
     weight = np.bincount(theirs, minlength=len(edges) + 1) / len(population)
     found = np.bincount(mine, hits, minlength=len(edges) + 1)

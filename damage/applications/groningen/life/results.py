@@ -29,7 +29,8 @@ VISIBLE = 1.0, 2.0
 POPULATION = 4000
 """Lives that are drawn and not run, for the distribution of PGV."""
 NAME = "lives.toml"
-POINT, LARGEST = "life", "life_largest"
+POINT = "life"
+LARGEST = "life_largest"
 
 
 def write_study(folder, wall, address, options, lives):
@@ -140,7 +141,8 @@ def lives_of(folder):
     without lives are left out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
-    records, found = read_records(folder), []
+    records = read_records(folder)
+    found = []
     for run in study.runs:
         if run.varied == "life":
             draws = read_address(dict(run.options)["address"])
@@ -233,7 +235,8 @@ def largest_alone(parts):
     found = {}
     for one, other in product(parts, repeat=2):
         if _is_of_the_largest(other, one):
-            first, second = one.last, other.last
+            first = one.last
+            second = other.last
             both = first.index.intersection(second.index)
             if len(both) > 1:
                 found[one.point] = first.loc[both], second.loc[both]
@@ -254,7 +257,8 @@ def _is_of_the_largest(lives, every):
 def over_time(lives):
     """DataFrame with a row a year: medians over the lives, and probabilities with 95 % intervals;
     columns of life.csv."""
-    rows, population = [], lives.population()
+    rows = []
+    population = lives.population()
     for year in range(lives.years[0], lives.years[1] + 1):
         now = lives.until(year)
         row = {
@@ -279,7 +283,8 @@ def over_time(lives):
 def contributions(lives):
     """What each event of the catalogue contributes, DataFrame with the largest first; columns of
     contributions.csv."""
-    table, keys = lives.table.copy(), ["seed", "life"]
+    table = lives.table.copy()
+    keys = ["seed", "life"]
     table["gain"] = table["psi"] - table.groupby(keys)["psi"].shift(fill_value=0.0)
     table["leads"] = (table["gain"] > 0) & (
         table["gain"] == table.groupby(keys)["gain"].transform("max")
@@ -306,9 +311,11 @@ def contributions(lives):
 
 def describe(parts):
     """Text: what became of the lives."""
-    lines, pairs = [], largest_alone(parts)
+    lines = []
+    pairs = largest_alone(parts)
     for one in parts:
-        last, population = one.last, one.population()
+        last = one.last
+        population = one.population()
         events = one.table[one.table["event"] > 0].groupby(["seed", "life"]).size()
         lines += [
             (

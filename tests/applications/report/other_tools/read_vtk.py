@@ -18,7 +18,8 @@ def arrays_of(data):
     }
 
 
-path, step = sys.argv[1], int(sys.argv[2])
+path = sys.argv[1]
+step = int(sys.argv[2])
 reader = vtk.vtkHDFReader()
 reader.SetFileName(path)
 reader.UpdateInformation()

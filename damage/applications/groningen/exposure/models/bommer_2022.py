@@ -15,7 +15,8 @@ from damage.files import DATA
 
 DEPTH_KM = 3.0
 """Depth of all events [km]: that of the field, with which the model was fitted."""
-NEAR_KM, FAR_KM = 7.0, 12.0
+NEAR_KM = 7.0
+FAR_KM = 12.0
 """Distances at which the attenuation changes [km]."""
 REFERENCE_M_S = 200.0
 """VS30 without site effect [m/s]."""
@@ -45,7 +46,8 @@ class Model(GroundMotionModel):
     def median_mm_s(self, magnitude, epicentral_km, vs30_m_s):
         """As of GroundMotionModel; hypocentral distances with DEPTH_KM."""
         c1, c2, c3, c4, c5, c6, c7, c8 = (self.values[f"c{k}"] for k in range(1, 9))
-        magnitude, epicentral_km = np.asarray(magnitude, float), np.asarray(epicentral_km, float)
+        magnitude = np.asarray(magnitude, float)
+        epicentral_km = np.asarray(epicentral_km, float)
         distance_km = np.sqrt(
             epicentral_km * epicentral_km + DEPTH_KM * DEPTH_KM + exp(2 * (c6 + c7 * magnitude))
         )
