@@ -385,8 +385,8 @@ FAULTS = [
                 "run",
                 "a run that continues forgets that its base is driven",
                 "damage/reference/solver.py",
-                'bool(tables["is_driven"]),',
-                "False,",
+                'bool(tables["is_driven"])',
+                "False",
                 "test_checkpoint test_before",
             ),
             (
@@ -457,8 +457,8 @@ FAULTS = [
                 "motion",
                 "another component starts with its own first sample",
                 "damage/motion/record.py",
-                "first, size = round(late_s / step_s), ",
-                "first, size = 0, ",
+                "first = round(late_s / step_s)",
+                "first = 0",
                 "test_records",
             ),
             (

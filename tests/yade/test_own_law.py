@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections import namedtuple
@@ -50,35 +51,23 @@ def test_what_is_added_to_the_material_has_a_default():
     assert set(Material._fields) - set(Material._field_defaults) == {"friction"}
 
 
-def walk():
-    """(kind, text) of what CONTRIBUTING.md says to save and type, and the names of both files."""
-    section = (
-        (REPOSITORY / "CONTRIBUTING.md")
-        .read_text()
-        .partition("## A joint law")[2]
-        .partition("\n## ")[0]
-    )
-    steps = re.findall(r"^```(diff|python|sh)\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
-    assert [kind for kind, _ in steps] == ["diff", "python", "sh"]
-    return section, [text for _, text in steps], re.findall(r"`(law\.diff|kept\.py)`", section)
+FOLDER = "tests/yade/own_law"
 
 
-def test_the_walk_s_diff_still_applies(tmp_path):
-    written(tmp_path / "law.diff", walk()[1][0])
-    run_command("git", "apply", "--check", tmp_path / "law.diff", status=0)
+def test_the_walk_s_diff_still_applies():
+    run_command("git", "apply", "--check", f"{FOLDER}/law.diff", status=0)
 
 
 @pytest.fixture(scope="module")
 def walked(clone, yade_command):  # noqa: F811
     """A copy in which the walk was followed: its commands run in plain Python, since compiling
     takes a minute."""
-    section, (diff, wall, commands), names = walk()
-    (clone / names[0]).write_text(diff)
-    (clone / "kept.py").write_text(wall)
+    shutil.copytree(REPOSITORY / FOLDER, clone / FOLDER)
+    section = (REPOSITORY / "CONTRIBUTING.md").read_text().partition("## A joint law")[2]
+    commands = re.search(r"^```sh\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)[1]
     program = written(clone.parent / "bin" / "python3", SHORT_STAGES.format(python=sys.executable))
-    applied = re.search(r"`(git apply law\.diff)`", section)[1]
     done = subprocess.run(
-        ["bash", "-euc", f"{applied}\n{commands}"],
+        ["bash", "-euc", commands],
         cwd=clone,
         capture_output=True,
         text=True,
@@ -93,7 +82,7 @@ def walked(clone, yade_command):  # noqa: F811
     read = run_command(sys.executable, "-c", READ, cwd=clone, check=True)
     tracker = clone / "yade_scripts" / "joint_tracker.py"
     tracker.write_text(tracker.read_text().replace('"friction_kept",', ""))
-    refused = run_command(str(clone / "yade"), "-n", "kept.py", "--pushover", "0.12", cwd=clone)
+    refused = run_command("./yade", "-n", f"{FOLDER}/kept.toml", "--pushover", "0.12", cwd=clone)
     return done.stdout, *json.loads(read.stdout), refused
 
 
