@@ -40,7 +40,9 @@ def drift_component(drift_ratio, drift_limit=DRIFT_LIMIT):
     return abs(drift_ratio) / drift_limit
 
 
-def length_fraction(selected, length, total_length=None):
+def length_fraction(
+    selected: np.ndarray, length: np.ndarray, total_length: float | None = None
+) -> np.ndarray:
     """Length of the selected joints over the length of all, equations (3) and (4).
 
     selected: bool (..., n_joints); length: (n_joints,) [m]; total_length: of all joints [m], where
@@ -54,18 +56,18 @@ def length_fraction(selected, length, total_length=None):
 
 
 def damage_index(
-    time_s,
-    drift_ratio,
-    opening,
-    slip,
-    at_limit,
-    length,
+    time_s: np.ndarray,
+    drift_ratio: np.ndarray,
+    opening: np.ndarray,
+    slip: np.ndarray,
+    at_limit: np.ndarray,
+    length: np.ndarray,
     *,
-    threshold=THRESHOLD,
-    drift_limit=DRIFT_LIMIT,
-    slip_criterion="displacement",
-    total_length=None,
-):
+    threshold: float = THRESHOLD,
+    drift_limit: float = DRIFT_LIMIT,
+    slip_criterion: str = "displacement",
+    total_length: float | None = None,
+) -> pd.DataFrame:
     """The index over time.
 
     time_s, drift_ratio: (n_times,); opening, slip [m] and at_limit (bool): (n_times, n_joints);

@@ -9,21 +9,21 @@
 #     source scripts/environment.sh browser # as site, with pytest and selenium; Chromium and its driver
 #     source scripts/environment.sh app     # a Python with the packages and Flask, for python3 -m damage app
 #     source scripts/environment.sh site    # a Python with the packages, Sphinx, MyST and the theme
-#     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff
+#     source scripts/environment.sh gates   # a Python with the packages and pytest, shellcheck, ruff, mypy
 #
 # A machine may have another python3 first on its path, without the packages; YADE uses Debian's.  So
 # the interpreter is the first of $PYTHON, /usr/bin/python3 and python3 on PATH that imports them all.
 # What is missing comes from Debian's packages if this user may install them (root, or sudo without a
 # password); otherwise they are named and the status is 3.  MASONRY_NO_INSTALL=1 forbids installing.
-# obspy, for tests of miniSEED only, and ruff come from PyPI into .venv, on top of Debian's packages.
+# obspy, for tests of miniSEED only, ruff and mypy come from PyPI into .venv, on top of Debian's packages.
 #
 # Exports PYTHON, PYTHONPATH (the repository, then what the user had in it, such as a folder with obspy), PYTHONNOUSERSITE
-# and MPLBACKEND; for gates also RUFF.  Where no Python has all packages with the user's part, it is left out.
+# and MPLBACKEND; for gates also RUFF and MYPY.  Where no Python has all packages with the user's part, it is left out.
 # SYSTEM_PYTHON stands in for /usr/bin/python3 on systems that keep it elsewhere.
 
 _env_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 _env_obspy_versions="obspy>=1.4.1"  # the latest that takes Debian's numpy
-_env_ruff_version=0.17.6  # as in pyproject.toml: other versions find other faults
+_env_tools=(ruff==0.17.6 mypy==2.4.1)  # other versions find other faults; ruff as in pyproject.toml
 _env_programs=(yade)
 
 _env_say() { printf '%s\n' "$*" >&2; }
@@ -184,18 +184,22 @@ _env_add_obspy() {
     fi
 }
 
-# Sets RUFF to .venv's ruff of the fixed version; status 3 when it cannot be had.
-_env_find_ruff() {
-    RUFF=$_env_root/.venv/bin/ruff
-    _env_ruff_is_there || _env_add_to_venv "$_env_root/.venv" ruff "ruff==$_env_ruff_version" || true
-    if ! _env_ruff_is_there; then
-        _env_say "error: missing on this machine: ruff $_env_ruff_version"
-        return 3
-    fi
-    export RUFF
+# Sets RUFF and MYPY to .venv's programs of the fixed versions; status 3 when one cannot be had.
+_env_find_tools() {
+    local tool path
+    for tool in "${_env_tools[@]}"; do
+        path=$_env_root/.venv/bin/${tool%==*}
+        _env_is_version "$path" "$tool" || _env_add_to_venv "$_env_root/.venv" "${tool%==*}" "$tool" || true
+        if ! _env_is_version "$path" "$tool"; then
+            _env_say "error: missing on this machine: $tool"
+            return 3
+        fi
+    done
+    export RUFF=$_env_root/.venv/bin/ruff MYPY=$_env_root/.venv/bin/mypy
 }
 
-_env_ruff_is_there() { [ "$("$RUFF" --version 2>/dev/null)" = "ruff $_env_ruff_version" ]; }
+# Whether the program at $1 prints that it is $2, NAME==VERSION.
+_env_is_version() { [[ "$("$1" --version 2>/dev/null) " = "${2/==/ } "* ]]; }
 
 # Puts the repository before what the user has in PYTHONPATH, whose relative folders are those of the working folder.
 _env_set_path() {
@@ -260,7 +264,7 @@ _env_main() {
     _env_provide "${modules[@]}" || return
     case ${1:-run} in
         test | coverage) _env_add_obspy "${modules[@]}" ;;
-        gates) _env_find_ruff || return ;;
+        gates) _env_find_tools || return ;;
     esac
     export PYTHON
 }

@@ -5,6 +5,7 @@
 #     bash scripts/gates.sh lint damage/index.py
 #
 #     lint        ruff, with the rules and the layout of pyproject.toml
+#     types       mypy, on what is annotated
 #     shell       shellcheck
 #     imports     folder order is import order
 #     doctests    the examples in docstrings
@@ -15,12 +16,14 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-gates=(lint shell imports doctests terms documents)
+gates=(lint types shell imports doctests terms documents)
 
 lint() {
     "$RUFF" check --no-cache --quiet --output-format concise "$@" &&
         "$RUFF" format --no-cache --quiet --diff "$@"
 }
+
+types() { "$MYPY" --cache-dir "${TMPDIR:-/tmp}/mypy-$UID" --python-executable "$PYTHON" --no-error-summary "${@:-damage}"; }
 
 shell() {
     local scripts=("$@")

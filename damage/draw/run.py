@@ -5,16 +5,21 @@ Each function takes a History and returns a matplotlib Figure, one journal colum
 without a screen and inside any program.
 """
 
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from damage.draw import style
 from damage.draw.panels import from_zero, letter
-from damage.draw.wall import DRAWN, legend_widths_mm, line_width, wall_shape
+from damage.draw.wall import DRAWN, WallShape, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
 from damage.history.info import origin
 from damage.history.moments import check_samples, choose_sample, choose_samples
+from damage.history.reader import History
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
 from damage.measure.brick_stress import has_stresses, principal_stresses
@@ -74,7 +79,13 @@ ENERGIES = {  # of `energy_groups`: label, colour, line
 
 
 @style.styled
-def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
+def wall_picture(
+    history: History,
+    sample: str | int = "max",
+    slip: str = "displacement",
+    threshold: float = THRESHOLD,
+    magnify: float | None = None,
+) -> Figure:
     """Figure of the wall in true scale at a sample, with its cracks.
 
     sample: "max" (of the damage index), "end", or an index into the series; slip, threshold [m]:
@@ -95,7 +106,14 @@ def wall_picture(history, sample="max", slip="displacement", threshold=THRESHOLD
     )
 
 
-def plot_wall(history, ax, t="max", slip="displacement", threshold=THRESHOLD, magnify=None):
+def plot_wall(
+    history: History,
+    ax: Axes,
+    t: str | float = "max",
+    slip: str = "displacement",
+    threshold: float = THRESHOLD,
+    magnify: float | None = None,
+) -> WallShape:
     """Draw the wall with its cracks into axes of a figure of yours, in true scale; returns the
     WallShape that is drawn, of which `joint_handles` makes a legend.
 
@@ -124,7 +142,7 @@ def _with_words(figure, ratio, history, lines, handles):
     return figure
 
 
-def has_heap(history):
+def has_heap(history: History) -> bool:
     """Whether a History's bodies were followed beyond its collapse (`--after-fall`)."""
     times = history.snapshot_time_s
     return (
@@ -135,7 +153,7 @@ def has_heap(history):
 
 
 @style.styled
-def heap_picture(history):
+def heap_picture(history: History) -> Figure:
     """Figure of all bodies at the last snapshot, in true scale and not magnified, over the outline
     of the wall.
 
@@ -178,7 +196,12 @@ def heap_picture(history):
 
 
 @style.styled
-def stress_picture(history, sample="max", slip="displacement", threshold=THRESHOLD):
+def stress_picture(
+    history: History,
+    sample: str | int = "max",
+    slip: str = "displacement",
+    threshold: float = THRESHOLD,
+) -> Figure:
     """Principal stresses at the centres of deformable bricks, in true scale: lines along them, as
     long as they are large; arguments as of `wall_picture`.
 
@@ -220,7 +243,7 @@ def stress_picture(history, sample="max", slip="displacement", threshold=THRESHO
 
 
 @style.styled
-def contact_force_picture(history, moment="max"):
+def contact_force_picture(history: History, moment: str | float = "max") -> Figure:
     """Figure of the undeformed wall in true scale: at each contact point a line along its force, as
     long as that is large; over piers and arches where the thrust passes, and the middle third of
     their sections.
@@ -296,7 +319,7 @@ def _draw_thrust(ax, history, moment):
             ax.plot(*edge.T, color=style.BLACK, lw=0.5, ls=":")
 
 
-def draw_wall(ax, shape):
+def draw_wall(ax: Axes, shape: WallShape) -> float:
     """Draw a WallShape in true scale; returns height over width of the axes."""
     for kind, colour in style.BODY_COLOURS.items():
         corners = shape.corners[shape.kinds == kind]
@@ -325,7 +348,7 @@ def draw_wall(ax, shape):
     return show_all(ax, shape.corners, shape.supports, ground=False)
 
 
-def show_all(ax, *corners, ground=True):
+def show_all(ax: Axes, *corners: np.ndarray, ground: bool = True) -> float:
     """Set axes in true scale that contain all corners, (..., 2) [m], with the ground if asked for;
     returns their height over width."""
     points = np.concatenate([some.reshape(-1, 2) for some in corners])
@@ -352,13 +375,15 @@ def _moment(shape, sample):
     return f"{which} {shape.index:.3f} at {shape.time_s:.3f} s"
 
 
-def magnified(snapshot, factor):
+def magnified(snapshot: int | None, factor: float | None):
     """Legend entry: the factor on displacements of a snapshot, None where there is none."""
     words = "undeformed, no snapshot near" if snapshot is None else f"displacements × {factor:g}"
     return style.area_handle("none", words, "none")
 
 
-def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
+def joint_handles(
+    shape: WallShape, slip: str = "displacement", threshold: float = THRESHOLD
+) -> list:
     """Legend entries: states of joints, areas in the picture, widths of lines."""
     labels = {
         "opened": "opened",
@@ -399,7 +424,7 @@ def joint_handles(shape, slip="displacement", threshold=THRESHOLD):
 
 
 @style.styled
-def index_picture(history):
+def index_picture(history: History) -> Figure:
     """Figure over time: base acceleration, or base shear without base motion; below, the index and
     its components.
 
@@ -480,7 +505,7 @@ def _draw_index(ax, index, latched):
 
 
 @style.styled
-def drift_picture(history):
+def drift_picture(history: History) -> Figure:
     """Figure of the drift ratio over time, with the published limits of light damage in its
     range."""
     check_samples(history)
@@ -504,7 +529,7 @@ def drift_picture(history):
 
 
 @style.styled
-def hysteresis_picture(history):
+def hysteresis_picture(history: History) -> Figure:
     """Figure of base shear, the force of the wall on the ground, against drift ratio, without
     settling.
 
@@ -562,7 +587,7 @@ def hysteresis_picture(history):
 
 
 @style.styled
-def energy_picture(history):
+def energy_picture(history: History) -> Figure:
     """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the
     joints and damped; below, their imbalance."""
     check_samples(history)
@@ -617,7 +642,7 @@ PICTURES = {
 """{file name without suffix: function that draws it}."""
 
 
-def pictures_beside(history):
+def pictures_beside(history: History) -> dict[str, Callable]:
     """{file name without suffix: function that draws it} of what only some Histories have: the heap
     where bricks were followed beyond the collapse, stresses where bricks are deformable, the events
     where there are several, forces at rest and at the maximum index where the run kept stresses."""
@@ -631,7 +656,7 @@ def pictures_beside(history):
     }
 
 
-def save_all(history, folder):
+def save_all(history: History, folder: str | Path) -> list[Path]:
     """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns
     their paths.
 
@@ -648,18 +673,18 @@ def save_all(history, folder):
     )
 
 
-def is_pushed(history):
+def is_pushed(history: History) -> bool:
     """Whether the top of a History is pushed once, and not moved to and fro."""
     return isinstance(history.loading, TopDisplacement) and not history.loading.cycles
 
 
-def has_sequence(history):
+def has_sequence(history: History) -> bool:
     """Whether a History has more than one event."""
     return len(history.series) > 0 and history.series["shock"].iloc[-1] > 1
 
 
 @style.styled
-def sequence_picture(history):
+def sequence_picture(history: History) -> Figure:
     """Figure over time: base acceleration; below, a step an event: Psi and DI, largest and
     residual; largest offset of the joints at rest; newly failed contact points."""
     table = shocks_table(history)

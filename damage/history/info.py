@@ -1,10 +1,12 @@
 """State and origin of a history: `python3 -m damage check` and `info`."""
 
+from collections.abc import Iterator
 from math import isnan
+from pathlib import Path
 
 from damage.errors import InputError
 from damage.history.head import read_head
-from damage.history.reader import file_of, read_history
+from damage.history.reader import History, file_of, read_history
 from damage.motion.intensity import APPLIED
 from damage.provenance import UNKNOWN, shown_path
 from damage.wall.as_built import caps, describe_cap
@@ -37,7 +39,7 @@ RESULTS = (
 motion's as applied; the time step, too, unless --dt gives it."""
 
 
-def check(path):
+def check(path: str | Path) -> dict:
     """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s",
     "says"}."""
     try:
@@ -58,7 +60,7 @@ def check(path):
     }
 
 
-def describe_check(checked):
+def describe_check(checked: list[dict]) -> str:
     """Text of the results of `check`, a line for each file."""
     return "\n".join(
         (
@@ -72,7 +74,7 @@ def describe_check(checked):
     )
 
 
-def made_by(history):
+def made_by(history: History) -> dict:
     """{"software", "commit", "model_digest"} of a History; "unknown" outside git and of other
     writers."""
     return {
@@ -85,7 +87,7 @@ def made_by(history):
     }
 
 
-def origin(history):
+def origin(history: History) -> str:
     """Origin of a History, for the metadata of a picture."""
     made = made_by(history)
     return (
@@ -94,7 +96,7 @@ def origin(history):
     )
 
 
-def info(history):
+def info(history: History) -> dict:
     """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results",
     those that follow from other parameters."""
     top = history.bodies[history.bodies["course"] == -1]
@@ -118,19 +120,19 @@ def info(history):
     }
 
 
-def results(history):
+def results(history: History) -> dict:
     """{name: value} of a History's parameters that follow from others."""
     return {name: history.parameters[name] for name in RESULTS if name in history.parameters}
 
 
-def given(about):
+def given(about: dict) -> dict:
     """The parameters without those derived from others; about: an `info`."""
     return {
         name: value for name, value in about["parameters"].items() if name not in about["results"]
     }
 
 
-def describe(about):
+def describe(about: dict) -> str:
     """The `info` of a history as lines for people: what made it and its caps, the results that
     precede the motion (static stage, periods, measures of the motion), then every parameter that
     was given or has its default."""
@@ -164,7 +166,7 @@ def describe(about):
     return "\n".join(lines)
 
 
-def flat(table, above=""):
+def flat(table: dict, above: str = "") -> Iterator[tuple[str, object]]:
     """(name with those of the tables above it, value) of all entries, however deep."""
     for name, value in table.items():
         if above == "house." and name == "walls":

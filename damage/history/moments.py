@@ -1,8 +1,11 @@
 """Samples of a history by name, with the nearest snapshot and the state of every joint."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from damage.errors import InputError
+from damage.history.reader import History
 from damage.index import THRESHOLD
 from damage.wall.geometry import SupportMotion
 
@@ -14,7 +17,7 @@ BREAKS = ("tension", "shear")
 NEAR_S = 0.05  # [s]; a shape from further away belongs to another moment of the motion
 
 
-def check_samples(history):
+def check_samples(history: History) -> None:
     """Raise InputError where a History holds no sample."""
     if len(history.series) == 0:
         raise InputError(
@@ -23,7 +26,9 @@ def check_samples(history):
         )
 
 
-def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
+def choose_sample(
+    history: History, sample: str | int, slip: str = "displacement", threshold: float = THRESHOLD
+) -> tuple[int, float]:
     """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it."""
     check_samples(history)
     n_times = len(history.series)
@@ -41,7 +46,7 @@ def choose_sample(history, sample, slip="displacement", threshold=THRESHOLD):
     return sample, float(damage[sample])
 
 
-def choose_samples(history, moments):
+def choose_samples(history: History, moments: Sequence[str | float]) -> list[int]:
     """Samples of the words `rest` (the first), `max` (of DI), `end`, or of times [s], the nearest;
     InputError for a time outside the run, by more than a sample."""
     check_samples(history)
@@ -65,7 +70,7 @@ def _sample_of(history, moment):
     return int(np.argmin(np.abs(times - time_s)))
 
 
-def spans_of(time_s, chosen):
+def spans_of(time_s: np.ndarray, chosen: np.ndarray) -> list[list[float]]:
     """[[first, last time]] [s] of each stretch of chosen samples; time_s: (n,) [s]; chosen: (n,)
     bool."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
@@ -75,7 +80,7 @@ def spans_of(time_s, chosen):
     ]
 
 
-def nearest_snapshot(history, time_s):
+def nearest_snapshot(history: History, time_s: float) -> int | None:
     """Index of the snapshot nearest to a time, None where none is near."""
     times = history.snapshot_time_s
     if len(times) == 0:
@@ -86,7 +91,7 @@ def nearest_snapshot(history, time_s):
     return nearest if abs(times[nearest] - time_s) <= near else None
 
 
-def support_motion(history, snapshot):
+def support_motion(history: History, snapshot: int | None) -> SupportMotion | None:
     """SupportMotion at a snapshot, None for the end of the static stage."""
     motion = np.zeros((len(history.supports), 3))
     if snapshot is not None and len(history.series):
@@ -94,12 +99,13 @@ def support_motion(history, snapshot):
             np.abs(history.series["time_s"].to_numpy() - history.snapshot_time_s[snapshot])
         )
         motion = history.support_displacement[sample].astype(float)
-    return SupportMotion(
-        *(history.supports[name].to_numpy() for name in ("left_m", "right_m")), motion
-    )
+    supports = history.supports
+    return SupportMotion(supports["left_m"].to_numpy(), supports["right_m"].to_numpy(), motion)
 
 
-def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
+def joint_states(
+    history: History, sample: int, slip: str = "displacement", threshold: float = THRESHOLD
+) -> np.ndarray:
     """Index into JOINT_STATES of every joint at a sample, (n_joints,), by the criteria of the
     index."""
     opened = history.opening_m[sample] > threshold
@@ -111,7 +117,9 @@ def joint_states(history, sample, slip="displacement", threshold=THRESHOLD):
     return state_codes(opened, slipped, history.broken[sample])
 
 
-def state_codes(opened, slipped, broken=False):
+def state_codes(
+    opened: np.ndarray, slipped: np.ndarray, broken: np.ndarray | bool = False
+) -> np.ndarray:
     """Index into JOINT_STATES of joints, of bool arrays of one shape."""
     codes = [JOINT_STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
     return np.select(

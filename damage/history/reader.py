@@ -1,6 +1,7 @@
 """Read a history file into pandas frames."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from html import escape
@@ -17,14 +18,14 @@ from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
 from damage.history.parts import HouseRows, face_of, wall_of
-from damage.house.placing import placing_of
+from damage.house.placing import Placing, placing_of
 from damage.house.space import SHARES
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
-from damage.motion.loading import loading_from_dict
+from damage.motion.loading import Loading, loading_from_dict
 from damage.units import rounded
 from damage.wall.model_options import ModelOptions
 from damage.wall.parameters import Wall
-from damage.wall.plan import plan_of
+from damage.wall.plan import Plan, plan_of
 
 
 def _at_all_joints(name):
@@ -125,43 +126,43 @@ class History:
         return f"<table><caption>History</caption>{cells}</table>"
 
     @property
-    def complete(self):
+    def complete(self) -> bool:
         """Whether the run came to its end (a collapse is an end, too)."""
         return self.status == "complete"
 
     @cached_property
-    def loading(self):
+    def loading(self) -> Loading:
         """The `damage.motion.loading.Loading` that drove the run; a `RecordedMotion` where it was a
         record."""
         return loading_from_dict(self.parameters["loading"])
 
     @cached_property
-    def model(self):
+    def model(self) -> ModelOptions:
         """ModelOptions of the run."""
         return record_from(ModelOptions, self.parameters.get("model", {}))
 
     @cached_property
-    def masonry_wall(self):
+    def masonry_wall(self) -> Wall:
         """The `damage.Wall` as it was laid out."""
         return Wall.from_dict(self.parameters["wall"])
 
     @cached_property
-    def plan(self):
+    def plan(self) -> Plan:
         """The `damage.wall.plan.Plan` of this wall under its `model`."""
         return plan_of(self.masonry_wall, self.model)
 
     @cached_property
-    def joint_length_m(self):
+    def joint_length_m(self) -> np.ndarray:
         """Tributary length of each contact point, zero on the cut of a brick: (n_joints,) [m]."""
         return np.where(self.joints["kind"] == "brick", 0.0, self.joints["length_m"])
 
     @property
-    def sequence(self):
+    def sequence(self) -> tuple[float, ...]:
         """Factors of the motion, one for each event."""
         return tuple(self.parameters.get("sequence", (1.0,)))
 
     @cached_property
-    def event_loadings(self):
+    def event_loadings(self) -> tuple[Loading, ...]:
         """The Loading of each event, in their order; a sequence of one motion has the same for
         all."""
         motions = [loading_from_dict(table) for table in self.parameters.get("motions", [])]
@@ -172,7 +173,7 @@ class History:
         )
 
     @property
-    def strongest_factor(self):
+    def strongest_factor(self) -> float:
         """Largest factor on `loading`, which is the strongest motion of a sequence: absolute
         value."""
         return max(
@@ -182,43 +183,43 @@ class History:
         )
 
     @property
-    def time_step_s(self):
+    def time_step_s(self) -> float | None:
         """Time step of the solver [s]."""
         return self.parameters.get("time_step_s")
 
     @property
-    def eigen_period_s(self):
+    def eigen_period_s(self) -> float | None:
         """First period of the intact wall by its eigenvalues [s]."""
         return self.parameters.get("eigen_period_s")
 
     @property
-    def moving(self):
+    def moving(self) -> pd.DataFrame:
         """The series without the settling stages."""
         return schema.moving(self.series)
 
     @cached_property
-    def parts(self):
+    def parts(self) -> "list[History]":
         """Histories of the walls of a house, FILE:WALL.h5, each in its plane; of a single wall this
         one."""
         return [self.of_wall(name) for name in self.placing.names] if self.is_house else [self]
 
     @property
-    def is_house(self):
+    def is_house(self) -> bool:
         """Whether it is of all walls of a house."""
         return self.house is not None and "outside" not in self.parameters["house"]["walls"][0]
 
-    def of_wall(self, name):
+    def of_wall(self, name: str) -> "History":
         """The History of a wall of a house, in its plane and without the joints to other walls;
         energies and forces of supports are those of the house.  Of a wall: that of one of FACES
         (`of_face`)."""
         return wall_of(self, name)
 
-    def of_face(self, face):
+    def of_face(self, face: str) -> "History":
         """The History of a wall of a house as one of its FACES shows it, as of a plane wall: the
         contact points there, each with the whole of its length."""
         return face_of(self, face)
 
-    def check_one_layer(self):
+    def check_one_layer(self) -> None:
         """Raise InputError of a wall of a house, which has other cracks at each of its faces."""
         if "share" in self.joints:
             stem = self.path.stem
@@ -230,16 +231,21 @@ class History:
             )
 
     @cached_property
-    def placing(self):
+    def placing(self) -> Placing:
         """`damage.house.placing.Placing` of the walls of a house."""
         return placing_of(self.parameters["house"]["walls"])
 
-    def slip_by(self, slip):
+    def slip_by(self, slip: str) -> np.ndarray:
         """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that
         by `displacement`."""
         return self.slip_m if slip == "accumulated" else self.offset_m
 
-    def index(self, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement"):
+    def index(
+        self,
+        threshold: float = THRESHOLD,
+        drift_limit: float = DRIFT_LIMIT,
+        slip: str = "displacement",
+    ) -> pd.DataFrame:
         """The damage index over time: `damage.index.damage_index` of this run, by this criterion of
         slip."""
         if self.house and len(self.parameters["house"]["walls"]) > 1:
@@ -265,18 +271,18 @@ class History:
         return self._indices[asked].copy()
 
     @cached_property
-    def active(self):
+    def active(self) -> Contacts:
         """The Contacts that ever opened, slipped or reached their shear limit: measures need no
         others."""
         return self.contacts.with_any("opening_m", "slip_m", "offset_m", "at_limit")
 
     @cached_property
-    def states(self):
+    def states(self) -> Contacts:
         """The Contacts that ever were in another state than intact."""
         return self.contacts.with_any("state")
 
     @property
-    def is_intact(self):
+    def is_intact(self) -> bool:
         """Whether no joint ever failed or reached its shear limit."""
         return not bool(self.states.broken.any() or self.states.at_limit.any())
 
@@ -287,7 +293,7 @@ class History:
         return {}
 
 
-def read_history(path):
+def read_history(path: str | Path) -> History:
     """Read the history at `path`, also while a run writes it, or after a run was killed.
 
     Raises InputError where the file is missing, is not a history, has another schema, or was
@@ -298,18 +304,18 @@ def read_history(path):
     house, part = _without_part(given)
     if part:
         return read_history(house).of_wall(part)
-    path = check_file(path, "a history (.h5)")
-    head = read_head(path)
+    file_path = check_file(path, "a history (.h5)")
+    head = read_head(file_path)
     if head.sealed:
-        check_seal(path, head)
+        check_seal(file_path, head)
     try:
-        with opened(path) as file:
+        with opened(file_path) as file:
             # What is open has no end yet, whatever it says of itself.
-            return history_of(path, dict(file["run"].attrs), file, ended=head.sealed)
+            return history_of(file_path, dict(file["run"].attrs), file, ended=head.sealed)
     except InputError:
         raise
     except Exception as error:  # a damaged file may say anything
-        raise _unreadable(path, error) from error
+        raise _unreadable(file_path, error) from error
 
 
 def _without_part(path):
@@ -320,7 +326,7 @@ def _without_part(path):
     )
 
 
-def file_of(path):
+def file_of(path: str | Path) -> Path:
     """The file of a history, of which the path may name a wall or a face."""
     house, part = _without_part(Path(path))
     return file_of(house) if part else house
@@ -333,13 +339,13 @@ def _unreadable(path, error):
     )
 
 
-def opened(path):
+def opened(path: str | Path) -> h5py.File:
     """The HDF5 file of a history, open for reading, also while a run writes it or after it was
     killed."""
     return h5py.File(path, "r", libver="latest", swmr=not read_head(path).sealed)
 
 
-def history_of(path, attributes, values, ended=True):
+def history_of(path: Path, attributes: dict, values: Mapping, ended: bool = True) -> History:
     """History from the attributes of `run` and all columns by path, {"GROUP/NAME": array or
     dataset}."""
     n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "house")

@@ -45,6 +45,7 @@ from numba.extending import register_jitable
 
 from damage.elementary import exp, tan
 from damage.rounded import to_bits
+from damage.wall.parameters import Joint
 from damage.wall.split import PEAK
 
 INTACT = 0
@@ -67,7 +68,7 @@ class Material(NamedTuple):
     friction: float
 
 
-def material_of(joint):
+def material_of(joint: Joint) -> Material:
     """The Material of a damage.wall.parameters.Joint."""
     return Material(float(to_bits(tan(joint.friction_angle))))
 
@@ -142,7 +143,7 @@ def withstands(normal_stress, compressive_strength):
 
 
 @register_jitable
-def elastic_range(parameters):
+def elastic_range(parameters: LawParameters) -> tuple:
     """Elastic range of an intact contact point in displacements: `stays_elastic(opening, shear,
     *elastic_range(...))`.
 
@@ -159,7 +160,9 @@ def elastic_range(parameters):
 
 
 @register_jitable
-def strength_left(broken, parameters, kappa=0.0):
+def strength_left(
+    broken: bool, parameters: LawParameters, kappa: float = 0.0
+) -> tuple[float, float]:
     """Remaining tensile strength and cohesion [Pa]: zero after failure, else by (S1), (S2); kappa:
     of softening [-]."""
     if broken:
@@ -171,7 +174,7 @@ def strength_left(broken, parameters, kappa=0.0):
 
 
 @register_jitable
-def share_left(kappa, material):
+def share_left(kappa: float, material: Material) -> float:
     """Share of its strengths [-] that is left of a softening bond at kappa [-], (S1), (S2).
 
     It falls from 1 at zero; its integral until the bond fails is AREA.
@@ -180,20 +183,20 @@ def share_left(kappa, material):
 
 
 @register_jitable
-def friction_left(broken, material):
+def friction_left(broken: bool, material: Material) -> float:
     """Coefficient of friction [-] of an intact or, if broken, failed contact point."""
     return material.friction
 
 
 @register_jitable
-def diagonal_tension(strength, sigma):
+def diagonal_tension(strength: float, sigma: float) -> float:
     """Mean shear stress [Pa] that the middle of a brick bears under a vertical stress, tension
     positive [Pa], by its tensile strength [Pa] (`damage.wall.split`)."""
     return math.sqrt(max(strength * (strength - sigma), 0.0)) / PEAK
 
 
 @register_jitable
-def crushing_strength_left(closure, parameters):
+def crushing_strength_left(closure: float, parameters: LawParameters) -> float:
     """Remaining compressive strength [Pa] at a plastic closure [m], (C3)."""
     strength = parameters.compressive_strength
     if closure == 0.0 or parameters.crushing_energy == 0.0:
@@ -202,7 +205,7 @@ def crushing_strength_left(closure, parameters):
 
 
 @register_jitable
-def tension_stiffness(tensile_strength, gap, normal_stiffness):
+def tension_stiffness(tensile_strength: float, gap: float, normal_stiffness: float) -> float:
     """Secant normal stiffness of an open contact point [Pa/m], (S4).
 
     tensile_strength: remaining [Pa]; gap: largest inelastic opening [m]; normal_stiffness: elastic
@@ -214,7 +217,7 @@ def tension_stiffness(tensile_strength, gap, normal_stiffness):
 
 
 @register_jitable
-def range_left(state, parameters):
+def range_left(state: ContactState, parameters: LawParameters) -> ElasticRange:
     """ElasticRange in a ContactState; parameters: LawParameters, also of arrays of contact points
     in the same state."""
     strength, cohesion = strength_left(state.broken, parameters, state.kappa)
@@ -231,7 +234,9 @@ def range_left(state, parameters):
 
 
 @register_jitable
-def advance(opening, shear_increment, state, parameters):
+def advance(
+    opening: float, shear_increment: float, state: ContactState, parameters: LawParameters
+) -> tuple[ContactState, int]:
     """State of a contact point after a step, equations (7) to (11), (S1) to (S5), (C1) to (C3).
 
     opening: at the end of the step [m], negative under compression; shear_increment: shear
@@ -258,7 +263,7 @@ def advance(opening, shear_increment, state, parameters):
 
 
 @register_jitable
-def crush(opening, state, parameters):
+def crush(opening: float, state: ContactState, parameters: LawParameters) -> tuple[float, float]:
     """Plastic closure [m] at an opening [m] by (C1) to (C3), and the work of its growth in the step
     [J/m2]."""
     strength = crushing_strength_left(state.closure, parameters)
@@ -271,7 +276,9 @@ def crush(opening, state, parameters):
 
 
 @register_jitable
-def closure_growth(depth, closure, strength, parameters):
+def closure_growth(
+    depth: float, closure: float, strength: float, parameters: LawParameters
+) -> tuple[float, float]:
     """Growth of the plastic closure [m] of a contact point pressed by `depth` beyond its rest
     position, and the strength that is left then [Pa]; a number that is not positive means no
     growth.
@@ -295,7 +302,9 @@ def closure_growth(depth, closure, strength, parameters):
 
 
 @register_jitable
-def advance_uncrushed(opening, shear_increment, state, parameters):
+def advance_uncrushed(
+    opening: float, shear_increment: float, state: ContactState, parameters: LawParameters
+) -> tuple[ContactState, int]:
     """`advance` without crushing; opening: plus the plastic closure [m]."""
     broken = state.broken
     gap = state.gap
@@ -327,7 +336,9 @@ def advance_uncrushed(opening, shear_increment, state, parameters):
 
 
 @register_jitable
-def break_or_slide(opening, sigma, trial, state, parameters):
+def break_or_slide(
+    opening: float, sigma: float, trial: float, state: ContactState, parameters: LawParameters
+) -> tuple[ContactState, int]:
     """State of a brittle bond, or of a failed contact point, beyond its strengths; returns as
     `advance`.
 
@@ -376,7 +387,9 @@ def break_or_slide(opening, sigma, trial, state, parameters):
 
 
 @register_jitable
-def soften(opening, trial, state, parameters):
+def soften(
+    opening: float, trial: float, state: ContactState, parameters: LawParameters
+) -> tuple[ContactState, int]:
     """State of a softening bond beyond its strengths, (S1) to (S5); returns as `advance`.
 
     opening: at the end of the step [m]; trial: elastic shear stress there [Pa].  kappa after the
@@ -446,7 +459,9 @@ def soften(opening, trial, state, parameters):
 
 
 @register_jitable
-def on_the_envelope(share, opening, trial, gap, parameters):
+def on_the_envelope(
+    share: float, opening: float, trial: float, gap: float, parameters: LawParameters
+) -> tuple[float, float, float]:
     """Normal stress [Pa], gap [m] and |shear stress| [Pa] at a remaining share of the strengths
     [-]: (S1), (S2), (S4).
 
@@ -463,7 +478,9 @@ def on_the_envelope(share, opening, trial, gap, parameters):
 
 
 @register_jitable
-def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffness):
+def elastic_energy(
+    normal_stress: float, shear_stress: float, normal_stiffness: float, shear_stiffness: float
+) -> float:
     """Elastic energy per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s; stresses [Pa], stiffnesses
     [Pa/m]."""
     return (
@@ -473,7 +490,7 @@ def elastic_energy(normal_stress, shear_stress, normal_stiffness, shear_stiffnes
 
 
 @register_jitable
-def inelastic_opening(opening, normal_stress, normal_stiffness):
+def inelastic_opening(opening: float, normal_stress: float, normal_stiffness: float) -> float:
     """Inelastic part of an opening [m], from the normal stress [Pa] and stiffness [Pa/m]; zero
     where closed."""
     return opening - normal_stress / normal_stiffness if opening > 0.0 else 0.0

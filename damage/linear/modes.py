@@ -12,14 +12,15 @@ from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import diags
+from scipy.sparse import csc_array, diags
 from scipy.sparse.linalg import eigsh
 
 from damage.errors import InputError
-from damage.linear.blocks import factorised, sum_of_products
+from damage.linear.blocks import Blocks, factorised, sum_of_products
 from damage.rounded import down_to_three_digits, to_bits
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, LINTEL_COURSE
+from damage.wall.layout import Layout
 from damage.wall.restraints import top_of
 
 _ROUNDING = 100 * np.finfo(float).eps
@@ -49,7 +50,7 @@ class Modes:
     masonry_time_step_s: float
 
 
-def inside_lintels(layout):
+def inside_lintels(layout: Layout) -> np.ndarray:
     """Which contact points join two segments of a lintel's beam, which stay elastic: (n_contacts,)
     of bool."""
     first = layout.contacts.first
@@ -58,7 +59,9 @@ def inside_lintels(layout):
     return (first >= 0) & (second >= 0) & is_segment[first] & is_segment[second]
 
 
-def joint_stiffness(layout, factors=(1.0, 1.0), of=slice(None)):
+def joint_stiffness(
+    layout: Layout, factors: tuple[float, float] = (1.0, 1.0), of: slice | np.ndarray = slice(None)
+) -> Blocks:
     """Stiffness of contact points [N/m, N, N m], times factors across and along each, as Blocks;
     of: which, all by default."""
     contacts = layout.contacts
@@ -78,7 +81,7 @@ def joint_stiffness(layout, factors=(1.0, 1.0), of=slice(None)):
     )
 
 
-def stiffness_matrix(layout, of=slice(None)):
+def stiffness_matrix(layout: Layout, of: slice | np.ndarray = slice(None)) -> csc_array:
     """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]; of:
     which contact points, all by default."""
     return _stiffness(layout, True, of=of).sparse()
@@ -104,7 +107,7 @@ def _of_bearing(layout, stiffness):
     return np.where(layout.bodies.course == CAP_COURSE, stiffness, 0.0)
 
 
-def mass_vector(layout):
+def mass_vector(layout: Layout) -> np.ndarray:
     """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of
     strain modes that a body does not have, and of coordinates that restraints hold."""
     rigid = layout.rigid_mass
@@ -112,7 +115,7 @@ def mass_vector(layout):
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
 
 
-def static_displacement(layout):
+def static_displacement(layout: Layout) -> np.ndarray:
     """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its
     weight, linear; those of the last walls are kept."""
     return _kept(_static_displacement, layout, layout.weighing.tobytes())
@@ -127,7 +130,7 @@ def _static_displacement(layout, weighing):
     return factorised(_stiffness(layout, free, massless=1.0)).solve(np.where(free, weight, 0.0))
 
 
-def elastic_key(layout):
+def elastic_key(layout: Layout) -> bytes:
     """Digest of all that masses and stiffnesses of a layout's intact wall depend on."""
     bodies = layout.bodies
     contacts = layout.contacts
@@ -147,7 +150,7 @@ def elastic_key(layout):
     return hashlib.sha256(b"|".join(values.tobytes() for values in arrays)).digest()
 
 
-def natural_modes(layout, n_modes=6):
+def natural_modes(layout: Layout, n_modes: int = 6) -> Modes:
     """The `n_modes` longest natural periods, their shapes, and 2 / omega_max.
 
     Those of the last walls are kept: members of an ensemble differ by their strengths alone, which
@@ -221,7 +224,7 @@ def _highest(matrix, start):
     return eigsh(matrix, k=1, which="LA", return_eigenvectors=False, tol=_OF_HIGHEST, v0=start)[0]
 
 
-def first_mode(layout):
+def first_mode(layout: Layout) -> np.ndarray:
     """Shape (n_bodies, coordinates) of the mode of the longest period, scaled as of Modes, by
     inverse iteration: free vibration begins with it, so that its bits are those of sums and
     products alone."""

@@ -25,6 +25,7 @@ from scipy.sparse.csgraph import connected_components
 
 from damage.checks import check_positive
 from damage.history.moments import choose_sample
+from damage.history.reader import History
 from damage.history.schema import Column, measure
 from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
@@ -51,7 +52,7 @@ def psi_value(count, mean_width):
     )
 
 
-def mean_width(width, length):
+def mean_width(width: np.ndarray, length: np.ndarray) -> np.ndarray:
     """Mean crack width c_w = sum(c^2 L) / sum(c L) over the last axis, in the unit of width; 0
     without a crack.
 
@@ -63,7 +64,7 @@ def mean_width(width, length):
     return np.divide(width**2 @ length, weight, out=np.zeros_like(weight), where=weight > 0)
 
 
-def cracked(width, threshold=THRESHOLD):
+def cracked(width: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
     """Whether widths [m] reach the threshold [m], bool of the same shape; NaN does not.
 
     Raises InputError for a threshold that is not positive.
@@ -72,7 +73,7 @@ def cracked(width, threshold=THRESHOLD):
     return np.asarray(width) >= threshold * (1 - _PRECISION)
 
 
-def close_pairs(ends):
+def close_pairs(ends: np.ndarray) -> np.ndarray:
     """Pairs of segments whose distance is below JOINING_GAP [m], (n_pairs, 2) indices.
 
     ends: (n, 2, 2) [m], both ends of segments along x or along z.
@@ -88,7 +89,7 @@ def close_pairs(ends):
     return pairs[np.hypot(*apart.T) < JOINING_GAP]
 
 
-def crack_numbers(is_cracked, pairs):
+def crack_numbers(is_cracked: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Number of the crack that each segment belongs to, (n,) int from 1; 0 where it is not cracked.
 
     is_cracked: (n,) bool; pairs: (n_pairs, 2) from `close_pairs`.
@@ -101,7 +102,9 @@ def crack_numbers(is_cracked, pairs):
     return numbers
 
 
-def crack_table(ends, opening, slip, threshold=THRESHOLD):
+def crack_table(
+    ends: np.ndarray, opening: np.ndarray, slip: np.ndarray, threshold: float = THRESHOLD
+) -> pd.DataFrame:
     """Table of the cracked segments, ordered by crack.
 
     ends: (n, 2, 2) [m], both ends (x, z) of each segment; opening, slip: (n,) [m], slip signed;
@@ -127,19 +130,19 @@ def crack_table(ends, opening, slip, threshold=THRESHOLD):
     return table[numbers > 0].sort_values(["crack", "joint"], ignore_index=True)
 
 
-def ends_of(table):
+def ends_of(table: pd.DataFrame) -> np.ndarray:
     """Both ends of the rows of a table with ENDS, (n, 2, 2) [m]."""
     return table[list(ENDS)].to_numpy(float).reshape(-1, 2, 2)
 
 
-def points_along(ends, number=20):
+def points_along(ends: np.ndarray, number: int = 20) -> np.ndarray:
     """Points in the middles of equal parts of straight lines with these ends (n, 2, 2), (n, number,
     2) [m]."""
     share = (np.arange(number) + 0.5) / number
     return ends[:, :1] + share[:, np.newaxis] * (ends[:, 1:] - ends[:, :1])
 
 
-def cracks_at(history, sample, threshold=THRESHOLD):
+def cracks_at(history: History, sample: int, threshold: float = THRESHOLD) -> pd.DataFrame:
     """`crack_table` of a History at a sample, with slip by displacement.
 
     sample: index into its series, negative ones from the end; threshold: crack width [m].  Raises
@@ -154,14 +157,14 @@ def cracks_at(history, sample, threshold=THRESHOLD):
     )
 
 
-def psi(table):
+def psi(table: pd.DataFrame) -> float:
     """Psi [-] of a `crack_table`."""
     return float(
         psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"]))
     )
 
 
-def psi_history(history, threshold=PSI_FROM):
+def psi_history(history: History, threshold: float = PSI_FROM) -> pd.DataFrame:
     """Cracks of a History over time; threshold: width from which a crack counts [m].
 
     Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
@@ -193,7 +196,7 @@ def psi_history(history, threshold=PSI_FROM):
     )
 
 
-def count_cracks(is_cracked, pairs):
+def count_cracks(is_cracked: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Number of cracks at each sample, (n_times,) int; is_cracked: (n_times, n) bool; pairs: from
     `close_pairs`.
 
@@ -225,7 +228,7 @@ def count_cracks(is_cracked, pairs):
         ),
     }
 )
-def psi_summary(history, psi_from=PSI_FROM):
+def psi_summary(history: History, psi_from: float = PSI_FROM) -> list:
     """Psi and crack widths of a History; psi_from: width from which a crack counts [m].
 
     Those at its end are None where the run is not complete (`damage.measure.summary.summarise`).

@@ -4,6 +4,7 @@ events of a sequence, and periods."""
 import numpy as np
 import pandas as pd
 
+from damage.history.reader import History
 from damage.history.schema import Column, measure, moving
 from damage.measure.cracks import psi_history
 from damage.measure.damage_index import CRITERION_WORDS, SLIP, index_by_all, index_columns
@@ -23,7 +24,7 @@ from damage.units import MILLIMETRE
         "period_elongation": Column("1", "`first_free_cycle_s` over `eigen_period_s`"),
     }
 )
-def cycle_measures(history):
+def cycle_measures(history: History) -> tuple | None:
     """Durations of the last driven and the first free one of the `drift_cycles` of a History.
     Driven cycles have the period of the motion, so that the elongation is of the free one.  None
     where there is no such cycle, and in quasi-static runs."""
@@ -36,7 +37,7 @@ def cycle_measures(history):
     return last, free, free / eigen_period if free and eigen_period else None
 
 
-def drift_cycles(history):
+def drift_cycles(history: History) -> tuple[np.ndarray, np.ndarray]:
     """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2)
     [s]: of those that begin while the base moves, and of those that begin afterwards.  A cycle
     lasts from one upward zero crossing of the drift ratio to the next."""
@@ -74,7 +75,7 @@ CYCLES = {
 }
 
 
-def cycles_table(history):
+def cycles_table(history: History) -> pd.DataFrame:
     """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the
     free ones.  columns: CYCLES."""
     values = index_by_all(history).assign(
@@ -133,7 +134,7 @@ SHOCKS = {
 }
 
 
-def shocks_table(history):
+def shocks_table(history: History) -> pd.DataFrame:
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
     SHOCKS.  Residual values are None of an event without a settling
     stage."""
@@ -201,7 +202,7 @@ NOISE = 1e-12
 """Drift ratio [-] below which a wall counts as at rest; rounding errors reach 1e-16."""
 
 
-def upward_crossings(time_s, value, rearm=REARM):
+def upward_crossings(time_s: np.ndarray, value: np.ndarray, rearm: float = REARM) -> np.ndarray:
     """Times at which `value` crosses zero upwards, (k,) [s], linearly interpolated between samples.
 
     time_s, value: (n_times,); rearm [-].  A crossing counts if the value has been below -max(rearm
@@ -225,7 +226,7 @@ def upward_crossings(time_s, value, rearm=REARM):
 
 
 @measure({"period_s": Column("s", "natural period of a run in free vibration")})
-def period_of(history):
+def period_of(history: History) -> float | None:
     """Natural period of a History of free vibration [s]; None for another loading."""
     if not history.loading.drive.first_mode_m_s:
         return None
@@ -234,7 +235,7 @@ def period_of(history):
     )
 
 
-def natural_period(time_s, displacement):
+def natural_period(time_s: np.ndarray, displacement: np.ndarray) -> float | None:
     """Period of the dominant vibration [s]: that of the sinusoid with an offset that fits best by
     least squares.
 

@@ -1,7 +1,9 @@
 """Energy balance of a run: input = kinetic + elastic + potential + dissipated energy."""
 
 import numpy as np
+import pandas as pd
 
+from damage.history.reader import History
 from damage.history.schema import Column, is_moving, measure
 from damage.units import GRAVITY
 
@@ -20,7 +22,7 @@ NOISE = 1e-12
 for a façade wall, whose input in free vibration is a millijoule."""
 
 
-def energy_groups(series):
+def energy_groups(series: pd.DataFrame) -> dict[str, np.ndarray]:
     """Energies over time by group, {name: (n_times,)} [J]; series: of a History.
 
     input_energy_j: work of the base and of prescribed velocities; stored_energy_j: kinetic, elastic
@@ -39,18 +41,18 @@ def energy_groups(series):
     }
 
 
-def known_energies(series):
+def known_energies(series: pd.DataFrame) -> pd.DataFrame:
     """All energies of a series, a DataFrame [J], zero where the solver does not record them."""
     return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 
-def noise_j(mass_kg, height_m):
+def noise_j(mass_kg: float, height_m: float) -> float:
     """Least input energy [J] for an energy balance error of a wall of this mass [kg] and height
     [m]."""
     return NOISE * mass_kg * GRAVITY * height_m
 
 
-def imbalance(series):
+def imbalance(series: pd.DataFrame) -> np.ndarray:
     """Imbalance of the energies, (n_times,) [J]: stored and dissipated less input, relative to the
     first sample."""
     total = sum(series[name].to_numpy() for name in (*STORED, *DISSIPATED))
@@ -58,7 +60,7 @@ def imbalance(series):
     return total - total[0]
 
 
-def energy_error(series, noise=0.0):
+def energy_error(series: pd.DataFrame, noise: float = 0.0) -> float | None:
     """Energy balance error [-]: largest |imbalance| over `energy_scale`, without settling stages.
 
     series: of a History; noise: least scale [J].  None where the scale is not above it, or below
@@ -71,7 +73,7 @@ def energy_error(series, noise=0.0):
     return float(np.abs(imbalance(before)).max() / scale) if scale > noise else None
 
 
-def energy_error_of(history):
+def energy_error_of(history: History) -> float | None:
     """Energy balance error of a History [-] (`energy_error`); None where its input is rounding
     error (`noise_j`)."""
     return energy_error(
@@ -79,7 +81,7 @@ def energy_error_of(history):
     )
 
 
-def balance_error(history):
+def balance_error(history: History) -> float | None:
     """Energy balance error of a History [-] (`energy_error_of`); None for quasi-static runs of
     YADE, whose damping energy is computed from the balance."""
     return (
@@ -89,7 +91,7 @@ def balance_error(history):
     )
 
 
-def energy_scale(series):
+def energy_scale(series: pd.DataFrame) -> float:
     """Reference energy of the imbalance [J]: the largest |input|, or the first kinetic energy if
     that is larger."""
     return max(np.abs(series["input_energy_j"]).max(), series["kinetic_energy_j"].iloc[0])
@@ -102,11 +104,11 @@ class Balance:
     scale [J], samples.
     """
 
-    def __init__(self, noise):
+    def __init__(self, noise: float) -> None:
         self._noise = noise
         self.state = np.zeros(4)
 
-    def add(self, rows):
+    def add(self, rows: dict) -> None:
         """Add one or more samples, {column of the series: (n,)} [J]; leave out settling stages."""
         excess = sum(map(rows.__getitem__, STORED + DISSIPATED)) - rows["input_energy_j"]
         first, largest, scale, n = self.state
@@ -123,7 +125,7 @@ class Balance:
         )
 
     @property
-    def error(self):
+    def error(self) -> float | None:
         """Energy balance error so far [-]; None as of `energy_error`."""
         _, largest, scale, n = self.state
         return largest / scale if n > 1 and scale > self._noise else None
@@ -148,7 +150,7 @@ class Balance:
         ),
     }
 )
-def energy_measures(history):
+def energy_measures(history: History) -> tuple:
     """Energies at the end of a History [J], and its `balance_error`.  The damping of settling
     stages is a numerical means and not part of the model."""
     series = history.series

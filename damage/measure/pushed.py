@@ -5,6 +5,7 @@ Force is the base shear and displacement that of the top course, as measured in 
 
 import numpy as np
 
+from damage.history.reader import History
 from damage.history.schema import Column, measure
 
 INITIAL_SHARE = 0.15
@@ -13,7 +14,7 @@ SECANT_SHARE = 0.7
 loading."""
 
 
-def since_the_push(history):
+def since_the_push(history: History) -> tuple[np.ndarray, ...]:
     """Base shear [N], drift ratio [-] and top displacement [m] of all samples, (n,) each.  The
     latter two are counted from time zero, the last sample of a settlement stage, where the push
     begins; before it all are zero."""
@@ -35,7 +36,7 @@ def since_the_push(history):
         )
     }
 )
-def peak_base_shear(history):
+def peak_base_shear(history: History) -> float:
     """Largest |base shear| of a History under any loading [N]."""
     return float(np.abs(history.series["base_shear_n"]).max())
 
@@ -57,7 +58,7 @@ def peak_base_shear(history):
         ),
     }
 )
-def first_loading(history):
+def first_loading(history: History):
     """Peak force and stiffnesses of a pushed History.
 
     A quasi-static push does not vibrate; the wave tells how far this one is from it.  The

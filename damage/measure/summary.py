@@ -3,6 +3,7 @@
 import pandas as pd
 
 from damage.history.moments import check_samples
+from damage.history.reader import History
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure import (
     brick_stress,
@@ -52,8 +53,12 @@ MEASURES = {
 
 
 def flat_summary(
-    history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM
-):
+    history: History,
+    threshold: float = THRESHOLD,
+    drift_limit: float = DRIFT_LIMIT,
+    slip: str = "displacement",
+    psi_from: float = PSI_FROM,
+) -> dict:
     """{column: value} of what a History is, and of all MEASURES; arguments: of `summarise`.
 
     Raises InputError where the history has no sample.
@@ -91,8 +96,12 @@ def flat_summary(
 
 
 def summarise(
-    history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM
-):
+    history: History,
+    threshold: float = THRESHOLD,
+    drift_limit: float = DRIFT_LIMIT,
+    slip: str = "displacement",
+    psi_from: float = PSI_FROM,
+) -> dict:
     """Summary of a History, a plain dictionary; units in the names, in MEASURES and in
     `damage.measure.columns`.
 
@@ -127,7 +136,7 @@ def summarise(
     )
 
 
-def evidence_of(history):
+def evidence_of(history: History) -> pd.DataFrame:
     """The range of validity (`docs/model/validity.md`) of a History, a DataFrame, a row a quantity:
     value, least, most, unit and whether this run is inside, None where the quantity does not
     apply."""

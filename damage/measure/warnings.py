@@ -3,9 +3,11 @@
 import numpy as np
 
 from damage.errors import Warned
+from damage.history.reader import History
 from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import ENERGY_ERROR, balance_error
 from damage.measure.joints import ended_joints, with_bond
+from damage.motion.loading import TopDisplacement
 from damage.wall.as_built import warn_of_apex, warn_of_courses, warn_of_slabs
 from damage.wall.lintels import elastic_share, warn_of_share
 
@@ -21,7 +23,7 @@ LEAST_SAMPLES = 10
 """Of which the drag is known."""
 
 
-def warnings_of(history):
+def warnings_of(history: History) -> list[Warned]:
     """Conditions under which the results of a History are doubtful, a list of Warned: texts with a
     `code`; those that `damage.run` gave first.  Of one without a sample: those of its static
     stage."""
@@ -49,7 +51,7 @@ def warnings_of(history):
     ]
 
 
-def static_warnings(history):
+def static_warnings(history: History) -> list[str]:
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at
     rest."""
     static = history.static
@@ -67,7 +69,7 @@ def static_warnings(history):
     return found
 
 
-def changed_warnings(history):
+def changed_warnings(history: History) -> list[str]:
     """Warning of a wall that was changed in YADE's scene before it ran, a list of str."""
     changed = history.parameters.get("changed_by_hand")
     if not changed:
@@ -78,7 +80,7 @@ def changed_warnings(history):
     ]
 
 
-def energy_warnings(error):
+def energy_warnings(error: float | None) -> list[str]:
     """Warnings of an energy balance error [-] or None, a list of str."""
     if error is None or error <= ENERGY_ERROR:
         return []
@@ -89,7 +91,7 @@ def energy_warnings(error):
     ]
 
 
-def push_drag(history):
+def push_drag(history: History) -> float | None:
     """Force that the damping of a wall whose top is pushed adds while it moves, over the largest
     force of the run [-]; None of other runs, and where joints slide or soften all the time.
 
@@ -112,20 +114,21 @@ def push_drag(history):
     return float(np.median(work_j[chosen] / way_m[chosen]) / largest_n)
 
 
-def warn_of_drag(history):
+def warn_of_drag(history: History) -> list[str]:
     """Warning of a push that is too fast for a light wall, a list of str."""
     drag = push_drag(history)
-    if drag is None or drag <= MOST_DRAG:
+    loading = history.loading
+    if drag is None or drag <= MOST_DRAG or not isinstance(loading, TopDisplacement):
         return []
     # less than in proportion: drag falls more slowly than speed
-    speed = 0.7 * history.loading.speed_m_s * MOST_DRAG / drag
+    speed = 0.7 * loading.speed_m_s * MOST_DRAG / drag
     return [
         f"the wall is pushed too fast: damping adds about {100 * drag:.2g} % of the largest force,"
         f" expected up to {100 * MOST_DRAG:g} %; give --speed {speed:.1g}"
     ]
 
 
-def warn_of_ends(history):
+def warn_of_ends(history: History) -> list[str]:
     """Warning of joints that ended, a list of str."""
     ended = ended_joints(history)
     if ended is None:

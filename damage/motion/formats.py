@@ -14,7 +14,7 @@ from damage.errors import InputError, did_you_mean
 from damage.files import DATA, encoding_of, is_there
 from damage.motion import at2, columns, miniseed
 from damage.motion.columns import UNITS_M_S2, check_step, record_name
-from damage.motion.record import MOST_MB
+from damage.motion.record import MOST_MB, Record
 
 _OPTIONS = {"unit": "--unit", "sample_step_s": "--sample-step", "response": "a response"}
 """What may say how a file is to be read."""
@@ -134,7 +134,7 @@ NAMES = ", ".join(row.name for row in READ)
 """Those that are read."""
 
 
-def shipped_record_path(name="BGAR_HGE"):
+def shipped_record_path(name: str = "BGAR_HGE") -> Path:
     """Path of a record that comes with the package; damage/data/*/README.md say what each is."""
     shipped = shipped_records()
     if name not in shipped:
@@ -146,14 +146,14 @@ def shipped_record_path(name="BGAR_HGE"):
 
 
 @cache  # a study asks for each of its runs
-def shipped_records():
+def shipped_records() -> dict[str, Path]:
     """{name: path} of the records that come with the package, in the order of their names."""
     shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
     shipped |= {record_name(path): path for path in DATA.glob("*/*_acc_m_s2.csv")}
     return dict(sorted(shipped.items()))
 
 
-def record_path(word):
+def record_path(word: str | Path) -> Path:
     """Path of a record, given by its path or by the name of a record that ships, like BGAR_HGE; a
     file of that name comes first.  What is neither is taken for a path, but for a name without
     ending: InputError."""
@@ -169,7 +169,7 @@ def record_path(word):
     return path
 
 
-def format_of(path, data):
+def format_of(path: str | Path, data: bytes) -> Format:
     """Return the Format of a file's bytes.
 
     >>> format_of("FILE", b"Origin Time       2018/01/24 19:51:00").name
@@ -182,7 +182,12 @@ def format_of(path, data):
     return next(row for row in FORMATS if suffix in row.suffixes or re.match(row.begins, text))
 
 
-def read_record(path, response=None, unit=None, sample_step_s=None):
+def read_record(
+    path: str | Path,
+    response: str | Path | None = None,
+    unit: str | None = None,
+    sample_step_s: float | None = None,
+) -> Record:
     """Read one component of acceleration from a file in one of FORMATS.
 
     path: of the file, or the name of a record that ships (`record_path`).

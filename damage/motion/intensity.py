@@ -5,13 +5,14 @@ Every function measures the record as it is given and filters nothing.  To filte
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import scipy  # signal and integrate where they are used: half a second
 
 from damage.errors import InputError
-from damage.motion.record import LEAST_A_PERIOD
+from damage.motion.record import LEAST_A_PERIOD, Record
 from damage.units import GRAVITY
 
 SPECTRUM_PERIODS_S = (0.06, 0.08, 0.1, 0.15, 0.2, 0.25, 0.33, 0.5, 1.0)
@@ -51,17 +52,17 @@ MOST_VALUES = 10**8
 """Instants of an oscillator's response, 8 bytes each."""
 
 
-def pga_g(record):
+def pga_g(record: Record) -> float:
     """Peak ground acceleration [g]."""
     return float(np.abs(record.acceleration_m_s2).max()) / GRAVITY
 
 
-def pgv_cm_s(record):
+def pgv_cm_s(record: Record) -> float:
     """Peak ground velocity as `pgv_m_s` has it [cm/s]."""
     return 100.0 * pgv_m_s(record)
 
 
-def pgv_m_s(record):
+def pgv_m_s(record: Record) -> float:
     """Peak velocity of a base that moves as the record says, from rest at the first sample [m/s].
 
     Exact for acceleration that is linear between samples, which is how a run applies it: the
@@ -77,7 +78,7 @@ def pgv_m_s(record):
     return float(max(np.abs(at_samples).max(), np.abs(between).max(initial=0.0)))
 
 
-def rotd100(record, across):
+def rotd100(record: Record, across: Record) -> dict:
     """Largest of all horizontal directions (RotD100: D. M. Boore, 2010, Bull. Seism. Soc. Am.
     100(4), 1830-1835) of two components at right angles with the same step, length and start:
     "pga_rotd100_g", "pgv_rotd100_cm_s" and "sa_rotd100_g", the 5 % spectrum, {period [s]: ordinate
@@ -106,7 +107,7 @@ INSTANTS = 16
 velocity."""
 
 
-def pgv_rotd100_m_s(record, across):
+def pgv_rotd100_m_s(record: Record, across: Record) -> float:
     """As `pgv_m_s`, in the direction in which it is largest [m/s]; the velocity is exact at each
     instant looked at."""
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
@@ -120,7 +121,7 @@ def pgv_rotd100_m_s(record, across):
     return float(np.hypot(velocity(record), velocity(across)).max())
 
 
-def avg_sa_g(record):
+def avg_sa_g(record: Record) -> float:
     """AvgSa: geometric mean of the 5 % pseudo-acceleration at AVERAGE_PERIODS_S [g]; 0 where one of
     them is.
 
@@ -133,7 +134,9 @@ def avg_sa_g(record):
     )
 
 
-def applied_measures(record, eigen_period_s, across=None):
+def applied_measures(
+    record: Record | None, eigen_period_s: float, across: Record | None = None
+) -> dict:
     """Measures of the horizontal motion as a run applied it, under the keys APPLIED; None where one
     does not apply.
 
@@ -159,7 +162,7 @@ def applied_measures(record, eigen_period_s, across=None):
     return {name: _where_it_applies(measures[name]) for name in APPLIED}
 
 
-def sa_g(record, period_s):
+def sa_g(record: Record, period_s: float) -> float:
     """5 % spectral acceleration at a period, the rest after the motion included [g]."""
     return float(response_spectrum(rested(record, period_s), [period_s])[0])
 
@@ -172,18 +175,20 @@ def _where_it_applies(measure):
         return None
 
 
-def rested(record, rest_s):
+def rested(record: Record, rest_s: float) -> Record:
     """The record with at least that time at rest after it [s]."""
     rest = np.zeros(math.ceil(rest_s / record.time_step_s) + 1)
     return replace(record, acceleration_m_s2=np.concatenate((record.acceleration_m_s2, rest)))
 
 
-def arias_m_s(record):
+def arias_m_s(record: Record) -> float:
     """Arias intensity, pi / (2 g) times the integral of the squared acceleration [m/s]."""
     return math.pi / (2 * GRAVITY) * float(_squared_acceleration_integral(record)[-1])
 
 
-def significant_duration_s(record, start_fraction=0.05, end_fraction=0.75):
+def significant_duration_s(
+    record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75
+) -> float:
     """Time between two fractions of the Arias intensity, linear between samples [s]."""
     if not 0 <= start_fraction < end_fraction <= 1:
         raise InputError(
@@ -205,7 +210,9 @@ def _squared_acceleration_integral(record):
     )
 
 
-def response_spectrum(record, periods_s, damping=0.05):
+def response_spectrum(
+    record: Record, periods_s: Sequence[float] | np.ndarray, damping: float = 0.05
+) -> np.ndarray:
     """Pseudo-acceleration of oscillators that start at rest, (n_periods,) [g].
 
     periods_s: (n_periods,) natural periods [s], also far below the time step.
@@ -235,7 +242,9 @@ def response_spectrum(record, periods_s, damping=0.05):
     )
 
 
-def oscillator_response(acceleration_m_s2, time_step_s, period_s, damping=0.05):
+def oscillator_response(
+    acceleration_m_s2: np.ndarray, time_step_s: float, period_s: float, damping: float = 0.05
+) -> np.ndarray:
     """Displacement times squared angular frequency of an oscillator over time [m/s2].
 
     acceleration_m_s2: (n_samples,), of the base; the response is linear in it.
@@ -277,7 +286,7 @@ def _ramp_weights(exponent, elapsed_s):
     return elapsed_s * growth / exponent, elapsed_s * (growth - exponent) / exponent**2
 
 
-def end_velocity_m_s(record):
+def end_velocity_m_s(record: Record) -> float:
     """Velocity of the base at the last sample, from rest at the first [m/s].
 
     It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the
@@ -286,12 +295,12 @@ def end_velocity_m_s(record):
     return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
 
 
-def drift_warnings(loading):
+def drift_warnings(loading) -> list[str]:
     """Warning of a `damage.motion.loading.Recorded` one of whose components has less than
     WARNED_PGV of its PGV without a line, or without what is slower than SLOW_HZ."""
     record = loading.record
     plain = replace(loading, interpolated_for_s=None)
-    without = {}
+    without: dict[str, dict] = {}
     if loading.band_hz is not None:
         return []
     if not loading.baseline_order:
@@ -319,7 +328,7 @@ def _pgv(loading):
     return [pgv_m_s(motion) for motion in motions if motion is not None]
 
 
-def end_warnings(record):
+def end_warnings(record: Record) -> list[str]:
     """Warning of a motion after which the base moves on at more than WARNED_END_VELOCITY of PGV."""
     moving = abs(end_velocity_m_s(record))
     peak = pgv_m_s(record)
@@ -332,7 +341,7 @@ def end_warnings(record):
     ]
 
 
-def summary(record):
+def summary(record: Record) -> dict:
     """Intensity measures of a record as it is, under the keys of the command line's JSON.
 
     PGA [g], PGV and the velocity at the end [cm/s], Arias intensity [m/s], durations [s], AvgSa [g]
@@ -353,7 +362,7 @@ def summary(record):
     }
 
 
-def motion_summary(loading, eigen_period_s=None):
+def motion_summary(loading, eigen_period_s: float | None = None) -> dict:
     """The `summary` of a `damage.motion.loading.Recorded` as a run applies it, with what prepared
     it; of a wall with that first period [s] also "sa_eigen_period_g", of the motion `for_period`.
 
@@ -403,7 +412,7 @@ def _describe_sampling(found):
     )
 
 
-def late_lines(late_s):
+def late_lines(late_s: dict[str, float]) -> list[str]:
     """Lines that say which components were moved in time, of `late_s` of a Recorded.
 
     >>> late_lines({"up": 2.0})
@@ -415,7 +424,7 @@ def late_lines(late_s):
     ]
 
 
-def describe(found):
+def describe(found: dict) -> str:
     """A `motion_summary` as lines for people."""
     names = list(found)
     measures = {
@@ -453,7 +462,7 @@ _POWERS = {"arias_m_s": 2, "d5_75_s": 0, "d5_95_s": 0}
 """{measure: power of the factor on the motion to which it is proportional}; 1 where not listed."""
 
 
-def motion_measures(history):
+def motion_measures(history) -> dict:
     """{measure: value} of APPLIED for the strongest event of a History; None where a measure does
     not apply.
 
@@ -466,7 +475,7 @@ def motion_measures(history):
     }
 
 
-def record_unit(history):
+def record_unit(history) -> str | None:
     """Which unit the records of a History were taken to be in, and what says so; None without a
     record, or in an older file."""
     origins = [loading.as_dict().get("horizontal") or {} for loading in history.event_loadings]

@@ -54,12 +54,14 @@ class Drive:
     local_damping: float | None = None
 
     @property
-    def quasi_static(self):
+    def quasi_static(self) -> bool:
         """Whether the loading is so slow that the wall stays in equilibrium."""
         return self.local_damping is not None
 
 
-def mean_velocities(displacement, interval_s, n, place):
+def mean_velocities(
+    displacement: Callable | None, interval_s: float, n: int, place
+) -> np.ndarray | None:
     """Mean velocities in the first n intervals (n, ...) [m/s, of rotations rad/s], of a
     displacement(time_s, place) as `Drive.top` and `Drive.supports` are: constant within each
     interval, they lead to the displacement at its end.  None where there is none."""
@@ -90,35 +92,40 @@ class Loading:
     too, and as_dict(): everything that defines the motion, fit for JSON.
     """
 
-    duration_s = 0.0
-    cycle_edges_s = np.zeros(0)
-    peak_g = 0.0
-    base_acceleration = pga_g = record_pga_g = sa_02_s_g = lost_by_lines = None
+    name: str
+    duration_s: float = 0.0
+    cycle_edges_s: np.ndarray = np.zeros(0)
+    peak_g: float = 0.0
+    base_acceleration: Callable | None = None
+    pga_g: float | None = None
+    record_pga_g: float | None = None
+    sa_02_s_g: float | None = None
+    lost_by_lines: float | None = None
     moves = True
 
     @property
-    def drive(self):
+    def drive(self) -> Drive:
         return Drive(base=self.base_acceleration)
 
-    def length_s(self, height):
+    def length_s(self, height: float) -> float:
         """Time from zero to the end of everything that is prescribed, on a wall whose top is at a
         height [m]: [s]."""
         return self.duration_s
 
-    def preferred_step_s(self, max_step_s):
+    def preferred_step_s(self, max_step_s: float) -> float:
         """The time step that fits the motion, at most max_step_s [s]: here to its first six digits,
         which a run prints, so that it can be repeated from them."""
         return float(f"{max_step_s:.5e}")
 
-    def for_period(self, period_s):
+    def for_period(self, period_s: float) -> "Loading":
         """The loading as it drives a wall of that first period [s]."""
         return self
 
-    def applied(self):
+    def applied(self) -> Record | None:
         """The base's motion along the wall as a record; None where it stands still, and of what a
         history keeps of a recorded motion, which is without its samples."""
 
-    def applied_across(self):
+    def applied_across(self) -> Record | None:
         """The motion at right angles to the wall, which is not applied, as a record; None where it
         is not known."""
 
@@ -152,33 +159,33 @@ class Harmonic(Loading):
     __post_init__ = check_fields
 
     @property
-    def name(self):
+    def name(self) -> str:
         count = "" if self.cycles == 3 else f"_{self.cycles:g}cycles"
         return f"harmonic_{self.period_s:g}s_{self.amplitude_g:g}g{count}"
 
     @property
-    def duration_s(self):
+    def duration_s(self) -> float:
         """Time of the last cycle's end [s]."""
         return self.cycles * self.period_s
 
     @property
-    def cycle_edges_s(self):
+    def cycle_edges_s(self) -> np.ndarray:
         return self.period_s * np.arange(self.cycles + 1)
 
     @property
-    def pga_g(self):
+    def pga_g(self) -> float:
         return self.amplitude_g
 
     @property
-    def peak_g(self):
+    def peak_g(self) -> float:
         return self.amplitude_g
 
-    def preferred_step_s(self, max_step_s):
+    def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
         quarter_s = self.period_s / 4
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
-    def applied(self):
+    def applied(self) -> Record | None:
         """As of any Loading, by SINE_SAMPLES a cycle as far as a record's steps allow; None where
         it has too many."""
         shortest, longest = prepare.TIME_STEPS_S
@@ -192,7 +199,7 @@ class Harmonic(Loading):
         time_s = np.arange(samples * self.cycles + 1) * (self.period_s / samples)
         return Record(self.name, self.period_s / samples, self._sine(time_s))
 
-    def base_acceleration(self, time_s):
+    def base_acceleration(self, time_s: np.ndarray) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         driven = (time_s >= 0) & (time_s <= self.duration_s)
@@ -202,7 +209,7 @@ class Harmonic(Loading):
         """Acceleration (n,) [m/s2] of the sine without its ends at times (n,) [s]."""
         return self.amplitude_g * GRAVITY * sin_of_turns(time_s / self.period_s)
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         return {
             "kind": "harmonic",
             "name": self.name,
@@ -262,19 +269,19 @@ class Recorded(Loading):
         self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @property
-    def components(self):
+    def components(self) -> tuple[Record, ...]:
         """The records, as they were read: the horizontal one, and others where there are any."""
         return tuple(filter(None, (self.record, self.vertical, self.across)))
 
     @property
-    def late_s(self):
+    def late_s(self) -> dict[str, float]:
         """{name: by how much it began later than the horizontal one [s]} of other components that
         were moved by their times."""
         least_s = 0.5 * self.record.time_step_s
         return {one.name: one.late_s for one in self.components if abs(one.late_s) > least_s}
 
     @cached_property
-    def motion(self):
+    def motion(self) -> tuple[Record, ...]:
         """The prepared horizontal and, where there is one, vertical record."""
         return tuple(self._prepared(one) for one in (self.record, self.vertical) if one is not None)
 
@@ -290,30 +297,30 @@ class Recorded(Loading):
             record = prepare.windowed(record, *self.window_s)
         return prepare.scaled(record, self.scale)
 
-    def for_period(self, period_s):
+    def for_period(self, period_s: float) -> "Recorded":
         """As of any Loading: interpolated where the record has fewer than LEAST_A_PERIOD samples in
         the period."""
         coarse = self.record.time_step_s > period_s / prepare.LEAST_A_PERIOD
         return replace(self, interpolated_for_s=float(period_s)) if coarse else self
 
     @property
-    def lost_by_lines(self):
+    def lost_by_lines(self) -> float | None:
         """Share of the motion at the wall's first period that lines between the record's samples
         would take off, where it is interpolated: 1 - sinc^2(step / period)."""
         if self.interpolated_for_s is None:
             return None
         return float(1 - np.sinc(self.record.time_step_s / self.interpolated_for_s) ** 2)
 
-    def applied(self):
+    def applied(self) -> Record:
         """As of any Loading: the prepared horizontal record."""
         return self.motion[0]
 
-    def applied_across(self):
+    def applied_across(self) -> Record | None:
         """As of any Loading: prepared as the component along the wall."""
         return None if self.across is None else self._prepared(self.across)
 
     @property
-    def name(self):
+    def name(self) -> str:
         parts = [re.sub(r"[^\w.-]+", "_", self.record.name), f"x{self.scale:g}"]
         if self.window_s is not None:
             parts.append("{:g}-{:g}s".format(*self.window_s))
@@ -326,27 +333,27 @@ class Recorded(Loading):
         return "_".join(parts)
 
     @property
-    def duration_s(self):
+    def duration_s(self) -> float:
         """Time of the last sample that is used [s]."""
         return self.motion[0].duration_s
 
     @property
-    def peak_g(self):
+    def peak_g(self) -> float:
         return max(map(pga_g, self.motion))
 
     @property
-    def record_pga_g(self):
+    def record_pga_g(self) -> float:
         """Peak of the horizontal record, prepared but not interpolated [g]: the same for all
         walls."""
         return pga_g(replace(self, interpolated_for_s=None, vertical=None, across=None).motion[0])
 
-    def preferred_step_s(self, max_step_s):
+    def preferred_step_s(self, max_step_s: float) -> float:
         """Largest step up to max_step that brings every sample onto a step [s]: no peak is lost
         between steps."""
         step_s = self.motion[0].time_step_s
         return step_s / prepare.whole_steps(step_s, max_step_s)
 
-    def base_acceleration(self, time_s):
+    def base_acceleration(self, time_s: np.ndarray) -> np.ndarray:
         """Along x and z, (n, 2) [m/s2], at times (n,) [s]: linear between samples, zero before the
         first and after the last."""
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
@@ -355,7 +362,7 @@ class Recorded(Loading):
             acceleration[:, column] = at_times(time_s, part.time_step_s, part.acceleration_m_s2)
         return acceleration
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """Everything that defines the motion but the samples, fit for JSON."""
         return RecordedMotion(
             name=self.name,
@@ -402,13 +409,13 @@ class RecordedMotion(Loading):
     across: dict | None = None
     record_pga_g: float | None = None
 
-    def base_acceleration(self, _time_s):
+    def base_acceleration(self, _time_s: np.ndarray) -> np.ndarray:
         raise InputError(
             f"{self.name}: a history does not hold the samples of its record; expected the record's"
             " file; read that"
         )
 
-    def unscaled(self, record):
+    def unscaled(self, record: Record) -> Record:
         """The horizontal component as it was prepared, at scale 1, made from its record."""
         return Recorded(
             record,
@@ -418,7 +425,7 @@ class RecordedMotion(Loading):
             interpolated_for_s=self.interpolated_for_s,
         ).motion[0]
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose
         samples were taken as they are says nothing of interpolation, one without another component
         nothing of it."""
@@ -444,15 +451,15 @@ class FreeVibration(Loading):
         check_positive("top velocity [m/s]", self.top_velocity_m_s)
 
     @property
-    def name(self):
+    def name(self) -> str:
         usual = self.top_velocity_m_s == type(self).top_velocity_m_s
         return "free_vibration" + ("" if usual else f"_{self.top_velocity_m_s:g}m_s")
 
     @property
-    def drive(self):
+    def drive(self) -> Drive:
         return Drive(first_mode_m_s=self.top_velocity_m_s)
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         return {
             "kind": "free_vibration",
             "name": self.name,
@@ -468,7 +475,7 @@ class AtRest(Loading):
     name: ClassVar[str] = "at_rest"
     moves: ClassVar[bool] = False
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         return {"kind": "at_rest", "name": self.name, "duration_s": self.duration_s}
 
 
@@ -550,7 +557,7 @@ class TopDisplacement(Loading):
             )
 
     @property
-    def name(self):
+    def name(self) -> str:
         drifts = "-".join(f"{a:g}" for a in self.amplitudes_pct)
         kind = f"cyclic_{drifts}pct_{self.cycles}x" if self.cycles else f"pushover_{drifts}pct"
         more = [f"_top-rotation-{self.top_rotation:g}"] if self.top_rotation else []
@@ -558,7 +565,7 @@ class TopDisplacement(Loading):
         return f"{kind}_{self.boundary}{''.join(more)}"
 
     @property
-    def drive(self):
+    def drive(self) -> Drive:
         return Drive(
             top=self.top_displacement,
             top_rotates=self.boundary != "fixed",
@@ -567,14 +574,14 @@ class TopDisplacement(Loading):
             local_damping=self.local_damping,
         )
 
-    def turning_points(self, height):
+    def turning_points(self, height: float) -> np.ndarray:
         """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
         amplitudes = to_bits(np.array(self.amplitudes_pct) / 100 * height)
         if self.cycles == 0:
             return amplitudes[:1]
         return np.append(np.outer(amplitudes, np.tile([1.0, -1.0], self.cycles)), 0.0)
 
-    def top_displacement(self, time_s, height):
+    def top_displacement(self, time_s: np.ndarray, height: float) -> np.ndarray:
         """Displacement that is asked for [m] at times (n,) [s]; it stays where it ends.
 
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
@@ -592,11 +599,11 @@ class TopDisplacement(Loading):
         time_s = np.asarray(time_s, dtype=np.float64)
         return (area(time_s) - area(time_s - EASE_S)) / EASE_S
 
-    def length_s(self, height):
+    def length_s(self, height: float) -> float:
         """Time of the motion's end [s]."""
         return float(self.schedule(height)[0][-1])
 
-    def schedule(self, height):
+    def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:
         """Times (k,) [s] and top displacements (k,) [m] from (0, 0): to every turning point, and a
         rest there."""
         points = np.concatenate([[0.0], self.turning_points(height)])
@@ -604,7 +611,7 @@ class TopDisplacement(Loading):
         times = np.cumsum(np.column_stack([moves, np.full(len(moves), EASE_S)]))
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         shares = {"floor_shares": [[*one] for one in self.floor_shares]}
         return {
             "kind": "cyclic" if self.cycles else "pushover",
@@ -631,7 +638,7 @@ _KINDS = {
 }
 
 
-def loading_from_dict(table):
+def loading_from_dict(table: dict) -> Loading:
     """The record of which a loading's `as_dict` made the table; of a recorded motion all but its
     samples."""
     if table.get("kind") not in _KINDS:

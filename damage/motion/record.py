@@ -68,7 +68,7 @@ class Record:
     first_s: float = 0.0
     late_s: float = 0.0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_fields(self)
         where = self.source or self.name or "record"
         check_range(f"{where}: time step [s]", self.time_step_s, *TIME_STEPS_S)
@@ -100,29 +100,29 @@ class Record:
         object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
 
     @property
-    def duration_s(self):
+    def duration_s(self) -> float:
         """Time from the first to the last sample [s]."""
         return (self.acceleration_m_s2.size - 1) * self.time_step_s
 
     @property
-    def time_s(self):
+    def time_s(self) -> np.ndarray:
         """Times of the samples, (n_samples,) [s]."""
         return np.arange(self.acceleration_m_s2.size) * self.time_step_s
 
 
-def scaled(record, factor):
+def scaled(record: Record, factor: float) -> Record:
     """The record times a factor; a negative one reverses its direction."""
     check_range("scale factor", factor, -MOST_SCALE, MOST_SCALE)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
-def windowed(record, t0_s, t1_s):
+def windowed(record: Record, t0_s: float, t1_s: float) -> Record:
     """The samples nearest to t0 up to those nearest to t1, both included; time restarts at 0."""
     first, last = _ends(record, t0_s, t1_s)
     return _cut(record, first, record.acceleration_m_s2[first : last + 1])
 
 
-def interpolated(record, window_s=None):
+def interpolated(record: Record, window_s: tuple[float, float] | None = None) -> Record:
     """The record, or the window that `windowed` cuts, with FINER times as many samples,
     band-limited: what a record whose samples hold all of the motion says of the time between them.
 
@@ -169,7 +169,9 @@ def _cut(record, first, acceleration_m_s2):
     )
 
 
-def on_axis_of(record, reference, window_s=None):
+def on_axis_of(
+    record: Record, reference: Record, window_s: tuple[float, float] | None = None
+) -> Record:
     """Return a record on the time axis of another one, by their start times (`start_difference_s`),
     zero where it has no samples; within the window, by default all of the other one, it has to have
     them."""
@@ -205,7 +207,7 @@ def on_axis_of(record, reference, window_s=None):
     )
 
 
-def start_difference_s(record, other):
+def start_difference_s(record: Record, other: Record) -> float:
     """Start of a record minus the start of another one [s], by their own times where neither has a
     start time; 0 of two that are as long, in equal steps, and begin at the same time of their
     own."""
@@ -223,7 +225,7 @@ def start_difference_s(record, other):
     return (_datetime(record.start_utc) - _datetime(other.start_utc)).total_seconds()
 
 
-def baseline_corrected(record, order=1):
+def baseline_corrected(record: Record, order: int = 1) -> Record:
     """The record minus its least-squares polynomial of the given order (0: minus the mean)."""
     if order not in range(min(10, record.acceleration_m_s2.size)):
         raise InputError(
@@ -235,7 +237,7 @@ def baseline_corrected(record, order=1):
     )
 
 
-def band_passed(record, low_hz, high_hz, order=4):
+def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -> Record:
     """Zero-phase Butterworth band-pass between two corners [Hz].
 
     `order` counts both passes: the filter runs forward and backward with half of it each, so
@@ -260,7 +262,7 @@ def band_passed(record, low_hz, high_hz, order=4):
     return replace(record, acceleration_m_s2=filtered)
 
 
-def whole_steps(interval_s, max_step_s):
+def whole_steps(interval_s: float, max_step_s: float) -> int:
     """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
     check_positive("largest time step [s]", max_step_s)
     # the quotient may be rounded up or down, so the definition has the last word

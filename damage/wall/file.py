@@ -27,6 +27,7 @@ and not executed:
 import re
 import runpy
 import traceback
+from collections.abc import Callable
 from dataclasses import MISSING, fields
 from difflib import get_close_matches
 from pathlib import Path
@@ -72,18 +73,18 @@ _LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
 _RECORDS = Wall, Opening, Floor, Lintel, Brick, Joint
 
 
-def shipped_walls():
+def shipped_walls() -> dict[str, Path]:
     """{name: path} of the walls that ship, in Python and as data."""
     return shipped_files("walls", ".py") | shipped_files("walls", ".toml")
 
 
-def shipped_houses():
+def shipped_houses() -> dict[str, Path]:
     """{name: path} of the houses that ship; beside them are files of their walls."""
     files = shipped_files("houses", ".toml")
     return {name: path for name, path in files.items() if "[[walls]]" in path.read_text("utf-8")}
 
 
-def wall_path(word):
+def wall_path(word: str | Path) -> Path:
     """Path of a file of a wall or a house, given by its path or by the name of one that ships, like
     symmetric; a file of that name comes first.  Raises InputError where there is neither."""
     path = check_path(word)
@@ -100,7 +101,7 @@ def wall_path(word):
     )
 
 
-def load_wall(path):
+def load_wall(path: str | Path) -> Wall:
     """The wall of a file, by its path or the name of a wall that ships; InputError where the file
     is missing or makes no wall."""
     path = wall_path(path)
@@ -114,7 +115,7 @@ def load_wall(path):
     return wall_of(make, path)
 
 
-def wall_of(make_wall, path, kinds=Wall):
+def wall_of(make_wall: Callable, path: str | Path, kinds: type[Wall] | tuple = Wall) -> Wall:
     """The wall that `make_wall()` returns, a function of the file at `path`; InputError, with the
     line, where it fails or returns none of these kinds."""
     try:
@@ -171,12 +172,12 @@ def _line(error, path):
 # --- walls as data: TOML, and its JSON Schema -----------------------------------------------------
 
 
-def read_wall(path):
+def read_wall(path: str | Path) -> Wall:
     """The damage.Wall of a TOML file; InputError for anything that makes none."""
     return wall_from(read_toml(path, "a wall as TOML", MOST_MB))
 
 
-def wall_from(table):
+def wall_from(table: dict) -> Wall:
     """The damage.Wall of a table {key: value} as a TOML file has it."""
     given = dict(table)
     if "walls" in given:
@@ -257,7 +258,7 @@ def _of_modulus(modulus, brick, joint):
     return made | {"brick": brick_of_masonry(modulus, made["joint"], **brick)}
 
 
-def user_record(what, kind, table):
+def user_record(what: str, kind: type, table: dict):
     """A record of a table; InputError for keys that it does not have, and for those that are
     missing."""
     if not isinstance(table, dict):
@@ -287,7 +288,7 @@ def _refuse_unknown(what, table, known):
             )
 
 
-def wall_schema():
+def wall_schema() -> dict:
     """The JSON Schema of a wall as TOML, a dictionary fit for JSON: keys, types and choices;
     `read_wall` says what cannot be built."""
     special = {

@@ -63,10 +63,10 @@ class Floor:
                 " [kg/m2] and tributary_width [m]; give one of them"
             )
 
-    def on(self, wall):
+    def on(self, wall) -> "Floor":
         """This floor with its mass on a wall.  Raises InputError where that is given, too, and
         differs."""
-        if self.mass_per_area is None:
+        if self.mass_per_area is None or self.tributary_width is None:
             return self
         left, right = self.span(wall)
         mass = self.mass_per_area * self.tributary_width * (right - left)
@@ -79,15 +79,15 @@ class Floor:
         return replace(self, mass=mass)
 
     @property
-    def is_body(self):
+    def is_body(self) -> bool:
         """Whether it is a body of its own, a slab."""
         return self.kind == "concrete"
 
-    def span(self, wall):
+    def span(self, wall) -> tuple[float, float]:
         """Left and right end on a wall [m]."""
         return self.left, wall.length if self.right is None else self.right
 
-    def courses(self, wall):
+    def courses(self, wall) -> tuple[int, int]:
         """The first course that it rests in or on, and the first above it."""
         above = round(self.level / wall.brick.height)
         return above - (max(1, round(self.depth / wall.brick.height)) if self.is_body else 1), above
@@ -104,14 +104,14 @@ class FloorPlace(NamedTuple):
     above: int
 
 
-def floor_places(wall):
+def floor_places(wall) -> tuple[FloorPlace, ...]:
     """The FloorPlace of every floor of a wall, in their order."""
     return tuple(
         FloorPlace(floor, *floor.span(wall), *floor.courses(wall)) for floor in wall.floors
     )
 
 
-def check_floors(wall):
+def check_floors(wall) -> None:
     """Raise InputError for floors outside the wall, over each other, or with nothing below them."""
     places = floor_places(wall)
     for number, place in enumerate(places, start=1):

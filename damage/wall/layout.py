@@ -11,6 +11,7 @@ so that facing cells of two courses match.  `damage.wall.plan` says what is buil
 """
 
 import math
+from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -99,12 +100,12 @@ class Supports:
         return len(self.left)
 
     @property
-    def x(self):
+    def x(self) -> np.ndarray:
         """Reference points along the wall, (n_supports,) [m]."""
         return (self.left + self.right) / 2
 
 
-def contact_normals(contacts):
+def contact_normals(contacts: Contacts) -> np.ndarray:
     """Unit normals (n_contacts, 2) from first to second: +x across head joints, +z else."""
     head = contacts.upright
     return np.column_stack([head, ~head]).astype(float)
@@ -151,18 +152,18 @@ class Layout:
     strain: Strain | None = None
 
     @property
-    def n_below_caps(self):
+    def n_below_caps(self) -> int:
         """Number of bricks, slabs and parts of lintels."""
         # bricks that are cut are more here
         return self.n_bricks - self.plan.n_bricks + self.plan.taken.shape[1]
 
     @property
-    def total_joint_length(self):
+    def total_joint_length(self) -> float:
         """Length of all bed, head and base joints [m], the caps' glue and bricks' cuts excluded."""
         return float(self.joint_length.sum())
 
     @property
-    def joint_length(self):
+    def joint_length(self) -> np.ndarray:
         """Length of joint that each of the first n_joints contacts stands for, none on a brick's
         cut [m]."""
         n = self.n_joints
@@ -179,29 +180,29 @@ class Layout:
         return self.wall
 
     @property
-    def walls(self):
+    def walls(self) -> list[Wall]:
         """The damage.Walls that are laid out."""
         return [self.wall]
 
     @property
-    def placing(self):
+    def placing(self) -> dict:
         """{group of a history: arrays} of where walls and contact points are in a house."""
         return {}
 
     @property
-    def house_parameters(self):
+    def house_parameters(self) -> dict:
         """{"house": parameters of a house, for files}."""
         return {}
 
-    def of_contacts(self, values):
+    def of_contacts(self, values: Sequence) -> np.ndarray:
         """Value of each contact point (n_contacts,) of those of the walls."""
         return np.full(len(self.contacts), values[0])
 
-    def inner(self, joints):
+    def inner(self, joints: np.ndarray) -> np.ndarray:
         """Contact points beside these, towards the middle of the thickness."""
         return np.zeros(0, int)
 
-    def box(self, body):
+    def box(self, body: int) -> tuple[tuple[float, ...], np.ndarray]:
         """Centre (x, y, z) and size of a body (3,) [m]."""
         bodies = self.bodies
         centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
@@ -210,7 +211,7 @@ class Layout:
         )
 
     @property
-    def places(self):
+    def places(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Places and normals of the contact points in the wall of each of their two bodies (2,
         n_contacts, 3), x along it, y through its thickness and z upwards [m]; and the distance
         (n_contacts,) [m] from there to the inside of both bodies."""
@@ -226,7 +227,7 @@ class Layout:
         return np.stack([place] * 2), np.stack([normal] * 2), reach
 
     @property
-    def slide_limits(self):
+    def slide_limits(self) -> np.ndarray:
         """Shear displacements between which the faces of each contact point's joint overlap, least
         and most (2, n_contacts) [m]."""
         contacts = self.contacts
@@ -235,7 +236,7 @@ class Layout:
         )
 
     @property
-    def rigid_mass(self):
+    def rigid_mass(self) -> np.ndarray:
         """Mass and inertia of the bodies' rigid coordinates (n_bodies, 3), zero of those that
         restraints hold [kg, kg, kg m2]."""
         bodies = self.bodies
@@ -243,12 +244,12 @@ class Layout:
         return np.where(self.held, 0.0, mass)
 
     @property
-    def directions(self):
+    def directions(self) -> list[np.ndarray]:
         """`kinematic_rows` across and along all contact points, a list."""
         normals = contact_normals(self.contacts)
         return [self.kinematic_rows(normals), self.kinematic_rows(normals[:, ::-1])]
 
-    def kinematic_rows(self, directions):
+    def kinematic_rows(self, directions: np.ndarray) -> np.ndarray:
         """What a unit of each coordinate of the first and the second body of each contact adds to
         the relative displacement of second to first along `directions` (n_contacts, 2), (2,
         n_contacts, coordinates); zero on the ground.  Directions are the normals or the tangents
@@ -276,24 +277,24 @@ class Layout:
         return result
 
     @property
-    def elastic_arrays(self):
+    def elastic_arrays(self) -> tuple:
         """What stiffness depends on beside the bodies and the contact points' own numbers."""
         strain = self.strain
         return () if strain is None else (strain.mass, strain.stiffness, strain.shapes)
 
     @property
-    def bases(self):
+    def bases(self) -> list[tuple[np.ndarray, float]]:
         """Bodies of the lowest course and height of the drift above the ground [m] of each wall, a
         list of (indices, height)."""
         return [(np.flatnonzero(self.bodies.course == 0), self.drift_height)]
 
-    def tops(self, motion):
+    def tops(self, motion: np.ndarray) -> np.ndarray:
         """Displacement along each wall of its top over the piers (n, n_walls) [m]; motion: (n,
         n_bodies, 3)."""
         top = motion[:, :, 0].take(self.drift_bodies, axis=1)
         return np.add.reduce(top, axis=1, keepdims=True) / top.shape[1]
 
-    def top_and_drift(self, tops, of_base):
+    def top_and_drift(self, tops: np.ndarray, of_base: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Displacement of the top [m] and drift ratio [-], both (n,).
 
         tops: `tops`; of_base: by what the rigid motion of the base moves them (n, n_walls) [m].
@@ -302,18 +303,18 @@ class Layout:
         return top, (top - of_base[:, 0]) / self.drift_height
 
     @property
-    def pushed_bodies(self):
+    def pushed_bodies(self) -> np.ndarray:
         """Bodies that a quasi-static loading moves: the caps; the drift course where there are
         none, or a restraint holds the top."""
         caps = np.flatnonzero(self.bodies.course == CAP_COURSE)
         return caps if len(caps) and top_of(self.wall) is None else self.drift_bodies
 
     @property
-    def pushed_height(self):
+    def pushed_height(self) -> float:
         """Height of their centres [m]."""
         return float(self.bodies.z[self.pushed_bodies].mean())
 
-    def push_shares(self, floor_shares):
+    def push_shares(self, floor_shares: Sequence) -> np.ndarray:
         """Share of a push that each body takes, (n_bodies,) [-]: that of its floor by mass.
 
         floor_shares: ((level [m], share [-]), ...), none for the top.  Raises InputError for a
@@ -348,7 +349,7 @@ class Layout:
             f" {', '.join(f'{one:g}' for one in levels)} m; correct it"
         )
 
-    def height_of_push(self, floor_shares=()):
+    def height_of_push(self, floor_shares: Sequence = ()) -> float:
         """Height at which a push is measured [m]: of the drift, or of the resultant on these
         floors."""
         if not floor_shares:
@@ -356,22 +357,22 @@ class Layout:
         return float(total(self.push_shares(floor_shares) * self.bodies.z))
 
     @property
-    def top_mass(self):
+    def top_mass(self) -> float:
         """Mass of the precompression [kg]."""
         return _top_mass(self.plan, self.options)
 
     @property
-    def pier_stress(self):
+    def pier_stress(self) -> float:
         """Vertical stress in the piers by that mass [Pa], without the bricks above."""
         return self.top_mass * GRAVITY / (_length(self.plan.piers) * self.wall.brick.thickness)
 
     @property
-    def total_mass(self):
+    def total_mass(self) -> float:
         """Mass that the base carries [kg]: bricks and top mass, a constant load with it."""
         return float(self.weighing.sum())
 
     @property
-    def held(self):
+    def held(self) -> np.ndarray:
         """Coordinates whose velocity restraints prescribe, bool (n_bodies, 3)."""
         beam = self.bodies.course == CAP_COURSE
         top = top_of(self.wall)
@@ -381,19 +382,21 @@ class Layout:
         return found
 
     @property
-    def weighing(self):
+    def weighing(self) -> np.ndarray:
         """Masses (n_bodies,) [kg] whose weight the bodies have: their own, and the constant load on
         a restrained top."""
         return self.bodies.mass + self.load_mass
 
     @property
-    def load_mass(self):
+    def load_mass(self) -> np.ndarray:
         """What the constant load on a restrained top weighs, (n_bodies,) [kg]."""
         load = self.top_mass - self.bodies.mass if top_of(self.wall) else 0.0
         return np.where(self.bodies.course == CAP_COURSE, load, 0.0)
 
 
-def lay_out(wall, options=None, *, scatter=0.0, seed=0):
+def lay_out(
+    wall: Wall, options: ModelOptions | None = None, *, scatter: float = 0.0, seed: int = 0
+) -> Layout:
     """Lay a wall out: bricks in running bond, caps, cells and contact points.
 
     scatter: coefficient of variation [-] of a second factor on each joint's strengths, beside that

@@ -114,16 +114,16 @@ class Lintel:
             )
 
     @property
-    def is_body(self):
+    def is_body(self) -> bool:
         """Whether it is bodies of its own."""
         return self.kind != "courses"
 
-    def of(self, name):
+    def of(self, name: str) -> float:
         """A value, or the usual one of its kind."""
         given = getattr(self, name)
         return getattr(USUAL[self.kind], name) if given is None else given
 
-    def built(self, brick):
+    def built(self, brick) -> tuple[float, float, float]:
         """Height, width and bearing [m] in a wall of these bricks."""
         height = self.of("height") or brick.length
         bearing = (
@@ -135,16 +135,16 @@ class Lintel:
         )
         return height, self.width or brick.thickness, bearing
 
-    def courses(self, brick):
+    def courses(self, brick) -> int:
         """Number of courses whose place it takes."""
         return max(1, round(self.built(brick)[0] / brick.height))
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """What is given, for files."""
         return {name: value for name, value in vars(self).items() if value is not None}
 
 
-def lintel_of(given):
+def lintel_of(given: str | dict | Lintel) -> Lintel:
     """The Lintel of a name, of a table {field: value} or of a Lintel; InputError for anything
     else."""
     if isinstance(given, str):
@@ -178,12 +178,14 @@ class LintelPlace(NamedTuple):
     width: float
 
     @property
-    def parts(self):
+    def parts(self) -> int:
         """Number of its bodies."""
         return len(self.edges) - 1
 
 
-def edges_of(lintel, brick, left, right, near):
+def edges_of(
+    lintel: Lintel, brick, left: float, right: float, near: np.ndarray
+) -> tuple[float, ...]:
     """Edges of the parts of a lintel from left to right [m]: on the bond's half bricks in a beam; a
     brick's height apart in an arch, on joints of the bond and on the places `near` by where these
     are closer than 8 mm."""
@@ -201,20 +203,20 @@ def edges_of(lintel, brick, left, right, near):
     return (left, *inner, right)
 
 
-def mass_per_length(brick, place):
+def mass_per_length(brick, place: LintelPlace) -> float:
     """Mass of a lintel along its length [kg/m], in a wall of these bricks."""
     if place.lintel.kind == "arch":
         return brick.density * brick.thickness * ((place.above - place.first) * brick.height)
     return place.lintel.of("density") * place.width * place.height
 
 
-def cut_places(place):
+def cut_places(place: LintelPlace) -> tuple[np.ndarray, float]:
     """Heights (2,) [m] of the contact points of a beam's cut from its middle, and the length of
     each [m]."""
     return _GAUSS * place.height, place.height / 2
 
 
-def cut_stiffness(brick, place, x):
+def cut_stiffness(brick, place: LintelPlace, x: float) -> tuple[float, float]:
     """Normal and shear stiffness [Pa/m] of the cut at x [m] through a beam, of contact points as
     wide as the wall."""
     cut = int(np.abs(np.array(place.edges) - x).argmin())
@@ -240,7 +242,7 @@ class ElasticShare(NamedTuple):
     above_openings: float | None
 
 
-def in_lintel(plan, lintel, x, z):
+def in_lintel(plan, lintel: str, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Which joints lie strictly inside a lintel of courses: in those over an opening, or the lowest
     of them, one brick of bearing on each side; the bed joints under the bearing and over the
     highest of these courses are not inside.
@@ -267,7 +269,7 @@ def _within(first, above, course, z):
     return (z > first * course + TINY) & (z < above * course - TINY)
 
 
-def elastic_share(plan, joints, bodies):
+def elastic_share(plan, joints, bodies) -> ElasticShare:
     """The ElasticShare of a damage.wall.plan.Plan; joints, bodies: as of a History, or of
     `damage.wall.geometry`."""
     kind = joints["kind"].to_numpy()
@@ -285,7 +287,7 @@ def elastic_share(plan, joints, bodies):
     )
 
 
-def describe_share(share):
+def describe_share(share: ElasticShare) -> str:
     """An ElasticShare in a line for people.
 
     >>> describe_share(ElasticShare(0.3312, 0.784))
@@ -303,7 +305,7 @@ def describe_share(share):
     return f"{100 * share.of_all:.2g} % of the joint length{above} is elastic and cannot fail"
 
 
-def warn_of_share(share):
+def warn_of_share(share: ElasticShare) -> list[str]:
     """Warnings of an ElasticShare: a list of at most one line."""
     if share.of_all <= LARGE_SHARE:
         return []

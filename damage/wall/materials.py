@@ -31,7 +31,7 @@ class Masonry(NamedTuple):
     None where the source has none."""
 
     what: str
-    young_modulus: float | None
+    young_modulus: float
     tensile_strength: float | None
     cohesion: float
     friction: float
@@ -142,8 +142,15 @@ FORMATS = {
 
 
 def masonry(
-    material, brick_format, *, mortar=_MORTAR, wythes=1, density=1900.0, young_modulus=None, **joint
-):
+    material: str,
+    brick_format: str,
+    *,
+    mortar: float = _MORTAR,
+    wythes: int = 1,
+    density: float = 1900.0,
+    young_modulus: float | None = None,
+    **joint: float,
+) -> dict:
     """{"brick": Brick, "joint": Joint} of a material and a brick format by their names, as a Wall
     takes them.
 
@@ -205,7 +212,7 @@ def _named(what, name, known):
     return known[name]
 
 
-def as_dict():
+def as_dict() -> dict:
     """Materials and formats as plain tables, in SI units."""
     return {
         "materials": {name: one._asdict() for name, one in MATERIALS.items()},
@@ -213,7 +220,7 @@ def as_dict():
     }
 
 
-def describe():
+def describe() -> str:
     """Materials and formats with sources, as text."""
     lines = []
     for name, one in MATERIALS.items():
@@ -236,9 +243,7 @@ def describe():
             f"    source: {one.source}",
         ]
     lines.append("brick formats, length x thickness x height without mortar:")
-    for name, one in FORMATS.items():
-        lines.append(
-            f"{name}: {1e3 * one.length:g} x {1e3 * one.thickness:g} x {1e3 * one.height:g} mm;"
-            f" {one.source}"
-        )
+    for name, brick in FORMATS.items():
+        sizes_mm = (1e3 * size for size in (brick.length, brick.thickness, brick.height))
+        lines.append("{}: {:g} x {:g} x {:g} mm; {}".format(name, *sizes_mm, brick.source))
     return "\n".join([*lines, f"not here: {MISSING}"])

@@ -6,6 +6,7 @@ paper gives a value; `docs/model/model.md` gives the source of every other one.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from typing import ClassVar
 
@@ -106,7 +107,7 @@ class Brick:
     )
 
     @property
-    def splits(self):
+    def splits(self) -> bool:
         """Whether whole bricks can split."""
         return self.tensile_strength is not None
 
@@ -122,7 +123,7 @@ class Brick:
             object.__setattr__(self, "fracture_energy", splitting_energy(self.tensile_strength))
 
 
-def nearest(number):
+def nearest(number: float) -> int:
     """The nearest whole number, halves up; rounding errors do not decide.
 
     >>> nearest(2.5), nearest(3.5), nearest(4.4999999999), nearest(0.3 / 0.2 + 1)
@@ -240,12 +241,12 @@ class Joint:
         _check_fracture_energies(self)
 
     @property
-    def softens(self):
+    def softens(self) -> bool:
         """Whether its bond has fracture energies."""
         return bool(self.mode_i_fracture_energy)
 
     @property
-    def is_beyond_apex(self):
+    def is_beyond_apex(self) -> bool:
         """Whether the tensile strength lies beyond cohesion / tan(friction angle), the tension at
         which no shear strength is left: bonds fail there, in shear."""
         return self.tensile_strength * tan(self.friction_angle) > self.cohesion
@@ -291,7 +292,7 @@ def _check_fracture_energies(joint):
         )
 
 
-def softening_energies(tensile_strength):
+def softening_energies(tensile_strength: float) -> dict[str, float]:
     """{name: J/m2} of a Joint's fracture energies by a rule in use, from its tensile strength [Pa]
     alone:
     G_I = 0.025 (2 f_t)^0.7 N/mm with f_t in MPa, G_II = 10 G_I.  Its power of 0.7 is that of G_F =
@@ -305,7 +306,7 @@ def softening_energies(tensile_strength):
     return {"mode_i_fracture_energy": energy, "mode_ii_fracture_energy": 10 * energy}
 
 
-def crushing_energy(compressive_strength):
+def crushing_energy(compressive_strength: float) -> float:
     """Compressive fracture energy [J/m2] of a Joint from the compressive strength f_c of the
     masonry [Pa] alone.
 
@@ -325,7 +326,7 @@ def crushing_energy(compressive_strength):
     )
 
 
-def splitting_energy(tensile_strength):
+def splitting_energy(tensile_strength: float) -> float:
     """Fracture energy [J/m2] of a Brick from its tensile strength [Pa] alone: 0.029 mm times that,
     assumed (docs/model/model.md#splitting).
 
@@ -335,7 +336,9 @@ def splitting_energy(tensile_strength):
     return 0.029e-3 * tensile_strength
 
 
-def brick_of_masonry(young_modulus, joint, *, shear_ratio=0.4, **sizes):
+def brick_of_masonry(
+    young_modulus: float, joint: Joint, *, shear_ratio: float = 0.4, **sizes: float
+) -> Brick:
     """A Brick so stiff that, with its bed joints, the masonry has this modulus across them [Pa].
 
     1/E = 1/E_brick + 1/(k_n h), and with G = shear_ratio E (EN 1996-1-1, 3.7.3: 0.4) and k_s in
@@ -378,7 +381,7 @@ class Opening:
         check_fields(self)
 
     @property
-    def right(self):
+    def right(self) -> float:
         return self.left + self.width
 
 
@@ -431,34 +434,34 @@ class Wall:
     restraints: tuple[Restraint, ...] = ()
 
     @property
-    def masonry(self):
+    def masonry(self) -> "Wall":
         """The wall itself, as of a `damage.house.house.House` the wall of what all its walls
         share."""
         return self
 
     @property
-    def records(self):
+    def records(self) -> tuple:
         """The wall and the records in it."""
         lintels = [opening.lintel for opening in self.openings if opening.lintel]
         inside = *self.openings, *self.floors, self.brick, self.joint, self.lintel
         return self, *inside, *lintels
 
     @property
-    def line_loads(self):
+    def line_loads(self) -> list[float]:
         """Mass of each floor over its length, a list [kg/m]."""
         spans = [(floor.mass, *floor.span(self)) for floor in self.floors]
         return [mass / (right - left) for mass, left, right in spans if mass]
 
     @property
-    def each_wall(self):
+    def each_wall(self) -> "tuple[Wall, ...]":
         """The wall alone, as of a House its walls."""
         return (self,)
 
-    def with_each(self, change):
+    def with_each(self, change: Callable) -> "Wall":
         """What a function makes of the wall, as of a House that with each wall changed."""
         return change(self)
 
-    def check_run(self, settings):
+    def check_run(self, settings) -> None:
         """Nothing, as of a House what its runs cannot do."""
 
     def __post_init__(self):
@@ -488,21 +491,21 @@ class Wall:
         check_bearing(plan_of(self))
 
     @property
-    def courses(self):
+    def courses(self) -> int:
         """Number of courses."""
         return round(self.height / self.brick.height)
 
     @property
-    def built_height(self):
+    def built_height(self) -> float:
         """Height of the whole courses [m]."""
         return self.courses * self.brick.height
 
     @property
-    def top_mass(self):
+    def top_mass(self) -> float:
         """Mass of the precompression over the whole length [kg]: sigma * length * thickness / g."""
         return self.precompression * self.length * self.brick.thickness / GRAVITY
 
-    def opening_courses(self, opening):
+    def opening_courses(self, opening: Opening) -> tuple[int, int]:
         """First course of an opening and the first above it.
 
         Its height is laid to the nearest number of courses, and these to the level at which its
@@ -517,22 +520,22 @@ class Wall:
             first = max(min(first, self.courses - count), 0)
         return first, first + count
 
-    def lintel_of(self, opening):
+    def lintel_of(self, opening: Opening) -> Lintel:
         """The Lintel of one of its openings."""
         return opening.lintel or self.lintel
 
-    def with_lintels(self, option):
+    def with_lintels(self, option: str) -> "Wall":
         """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic",
         else those of a kind over all openings, or courses."""
         if option == "elastic":
             return self
         return replace(
             self,
-            lintel=option if option in KINDS_OF_LINTELS else "courses",
+            lintel=Lintel(option if option in KINDS_OF_LINTELS else "courses"),
             openings=tuple(replace(one, lintel=None) for one in self.openings),
         )
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """All parameters as a plain dictionary, for files and tables; without outline, floors,
         restraints and lintels of its own where it has none."""
         optional = "outline", "floors", "restraints"
@@ -543,14 +546,16 @@ class Wall:
             for name in ("mass_per_area", "tributary_width"):  # older versions do not know them
                 if floor[name] is None:
                     del floor[name]
-        for part, of in ((table, self), *zip(table["openings"], self.openings)):
-            lintel = part.pop("lintel")
-            if lintel is not None and (of is not self or (self.openings and self.lintel.is_body)):
-                part["lintel"] = of.lintel.as_dict()
+        if table.pop("lintel") and self.openings and self.lintel.is_body:
+            table["lintel"] = self.lintel.as_dict()
+        for part, opening in zip(table["openings"], self.openings):
+            del part["lintel"]
+            if opening.lintel is not None:
+                part["lintel"] = opening.lintel.as_dict()
         return table
 
     @classmethod
-    def from_dict(cls, table):
+    def from_dict(cls, table: dict) -> "Wall":
         """The wall of which `as_dict` made the table; one with openings and without a lintel has
         "courses"."""
         brick = dict(table.get("brick", {}))

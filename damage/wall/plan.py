@@ -9,10 +9,11 @@ are not built.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from damage.errors import InputError
 from damage.wall.floors import FloorPlace, floor_places
 from damage.wall.kinds import TINY
 from damage.wall.lintels import Lintel, LintelPlace, edges_of
+from damage.wall.model_options import ModelOptions
 from damage.wall.restraints import top_of
 
 
@@ -52,7 +54,7 @@ class Plan:
         outline; that at mid-height where a restraint holds the top.
     """
 
-    wall: object
+    wall: Any
     openings: tuple[OpeningPlace, ...]
     floors: tuple[FloorPlace, ...]
     lintels: tuple[LintelPlace, ...]
@@ -62,17 +64,17 @@ class Plan:
     drift_course: int
 
     @property
-    def slabs(self):
+    def slabs(self) -> list[FloorPlace]:
         """Places of the floors that are bodies, a list."""
         return [place for place in self.floors if place.floor.is_body]
 
     @property
-    def n_bricks(self):
+    def n_bricks(self) -> int:
         """Number of bricks."""
         return sum(map(len, self.bricks))
 
     @cached_property
-    def taken(self):
+    def taken(self) -> np.ndarray:
         """First and last course that each brick, slab and part of a lintel takes, (2, n) in the
         order of bodies."""
         places = [(course, course + 1, len(bricks)) for course, bricks in enumerate(self.bricks)]
@@ -82,7 +84,7 @@ class Plan:
         return np.repeat([first, above - 1], number, axis=1)
 
     @cached_property
-    def ends(self):
+    def ends(self) -> np.ndarray:
         """Left and right end [m] of each of these, (2, n)."""
         return np.array(
             [
@@ -92,34 +94,34 @@ class Plan:
             ]
         ).T
 
-    def bears(self, course):
+    def bears(self, course: int) -> list[tuple[float, float]]:
         """Parts (left, right) [m] of a course that bear what lies on it: bricks, slabs and
         lintels."""
+        places: list[FloorPlace | LintelPlace] = [*self.slabs, *self.lintels]
         return [
             *self.runs[course],
-            *(
-                (place.left, place.right)
-                for place in (*self.slabs, *self.lintels)
-                if place.first <= course < place.above
-            ),
+            *((place.left, place.right) for place in places if place.first <= course < place.above),
         ]
 
     @property
-    def rests(self):
+    def rests(self) -> Iterator[tuple]:
         """What bears what: ((left, right) [m] of a part of bricks, a slab or a lintel with a
         bearing, its first course, and the parts (left, right) [m] below that bear it), upwards;
         what starts at the base left out."""
-        borne = (*self.slabs, *(place for place in self.lintels if place.lintel.bearing != 0))
+        borne: list[FloorPlace | LintelPlace] = [
+            *self.slabs,
+            *(place for place in self.lintels if place.lintel.bearing != 0),
+        ]
         for course in range(1, len(self.runs)):
             below = self.bears(course - 1)
             for part in (
                 *self.runs[course],
-                *((one.left, one.right) for one in borne if one.first == course),
+                *((place.left, place.right) for place in borne if place.first == course),
             ):
                 yield part, course, below
 
 
-def plan_of(wall, options=None):
+def plan_of(wall, options: ModelOptions | None = None) -> Plan:
     """The Plan of a damage.Wall under ModelOptions, whose `lintel` says which lintels are built;
     None: as given."""
     wall = wall if options is None else wall.with_lintels(options.lintel)
@@ -275,7 +277,7 @@ def _on_quarters(length, x):
     return float(round(x / (length / 4)) * (length / 4))
 
 
-def outlined_runs(wall, course):
+def outlined_runs(wall, course: int) -> list[tuple[float, float]]:
     """Parts (left, right) [m] of a course below the wall's outline, openings left in."""
     if not wall.outline:
         return [(0.0, wall.length)]
@@ -352,7 +354,7 @@ def _lay_run(length, offset, left, right):
     return list(zip(edges[:-1], edges[1:]))
 
 
-def check_outline(wall):
+def check_outline(wall) -> None:
     """Raise InputError for an outline that is none, or whose wall has bricks in the air."""
     outline = wall.outline
     what = f"Wall.outline of {wall.name}"
@@ -386,7 +388,7 @@ def check_outline(wall):
         )
 
 
-def check_bearing(plan):
+def check_bearing(plan: Plan) -> None:
     """Raise InputError where a part of a course, or a slab, has nothing below one of its ends, or a
     timber floor no brick."""
     wall = plan.wall

@@ -9,9 +9,10 @@ import scipy  # integrate where it is used: it starts slowly
 
 from damage.applications.cracks.loops import LOOP, loop_measures
 from damage.errors import InputError
+from damage.history.reader import History
 from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.pushed import SECANT_SHARE, since_the_push
-from damage.motion.loading import EASE_S
+from damage.motion.loading import EASE_S, TopDisplacement
 from damage.units import GRAVITY
 from damage.wall.kinds import CAP_HEIGHT
 from damage.wall.layout import lay_out
@@ -40,9 +41,9 @@ FAR_ENOUGH = 0.99
 counts as it."""
 
 
-def pushed_loading(history):
+def pushed_loading(history: History) -> TopDisplacement:
     """The TopDisplacement of a pushed History; raises InputError for another loading."""
-    if history.loading.drive.top is None:
+    if not isinstance(history.loading, TopDisplacement):
         raise InputError(
             f"{history.path} is a run under {history.loading.name}; give one of --pushover or"
             " --cyclic"
@@ -50,7 +51,7 @@ def pushed_loading(history):
     return history.loading
 
 
-def envelope(history, sign=1):
+def envelope(history: History, sign: int = 1) -> pd.DataFrame:
     """Envelope of a pushed History in one direction, a DataFrame of drift_ratio [-] and force_n,
     positive on loading.
 
@@ -63,7 +64,7 @@ def envelope(history, sign=1):
     return pd.DataFrame({"drift_ratio": drift[new], "force_n": force[new]})
 
 
-def backbone(history, sign=1):
+def backbone(history: History, sign: int = 1) -> pd.DataFrame:
     """Envelope of a cyclic History in one direction as laboratories draw it: a DataFrame as of
     `envelope`.
 
@@ -85,21 +86,21 @@ def backbone(history, sign=1):
     return pd.DataFrame(rows, columns=["drift_ratio", "force_n"])
 
 
-def capacity_curve(history, sign=1):
+def capacity_curve(history: History, sign: int = 1) -> pd.DataFrame:
     """The `backbone` of a cyclic History, the `envelope` of one that is pushed over or ended in its
     first cycle."""
     curve = backbone(history, sign) if pushed_loading(history).cycles else ()
     return curve if len(curve) else envelope(history, sign)
 
 
-def averaged(curve, width):
+def averaged(curve: pd.DataFrame, width: float) -> pd.DataFrame:
     """A curve whose points are means over windows of the drift, `width` [-] wide, side by side:
     without the oscillations that sudden failures cause."""
     window = np.floor(curve["drift_ratio"] / width)
     return curve.groupby(window.to_numpy(), sort=True).mean().reset_index(drop=True)
 
 
-def mean_force(curve, drift):
+def mean_force(curve: pd.DataFrame, drift: float) -> float:
     """Mean force [N] of an `envelope` from zero to a drift [-]: the energy that it takes up over
     the displacement."""
     drifts, force = _from_zero(curve)
@@ -111,7 +112,7 @@ def mean_force(curve, drift):
     return float(scipy.integrate.trapezoid(force, drifts) / drift)
 
 
-def bilinear(curve, height):
+def bilinear(curve: pd.DataFrame, height: float) -> dict[str, float]:
     """Bilinear (elastic-plastic) idealisation of an `envelope`, of equal area up to the ultimate
     drift.
 
@@ -144,7 +145,7 @@ def bilinear(curve, height):
     }
 
 
-def loaded_curves(history):
+def loaded_curves(history: History) -> dict[str, pd.DataFrame]:
     """{"positive": curve, "negative": curve}, the `capacity_curve` of a History in each direction
     in which it was loaded; that of a push is `averaged` over WINDOWS windows of the drift.  Raises
     InputError where there is none."""
@@ -169,7 +170,7 @@ def loaded_curves(history):
     return curves
 
 
-def capacity(history, to=None):
+def capacity(history: History, to: float | None = None) -> dict:
     """Figures of a pushed History, means over its `loaded_curves`, a plain dictionary.
 
     peak_force_n, drift_at_peak [-]: of the curve; those of `bilinear`; mean_force_n: up to the
@@ -188,11 +189,12 @@ def capacity(history, to=None):
     )
     to = to or found["ultimate_drift"]
     farthest = min(float(curve["drift_ratio"].max()) for curve in curves)
-    there = [
+    forces = [
         (mean_force(curve, to), np.interp(to, curve["drift_ratio"], curve["force_n"]))
         for curve in curves
     ]
-    there = np.mean(there, axis=0).tolist() if farthest >= FAR_ENOUGH * to else (None, None)
+    reaches = farthest >= FAR_ENOUGH * to
+    there = np.mean(np.array(forces), axis=0).tolist() if reaches else (None, None)
     return {
         "peak_force_n": float(peaks[0]),
         "drift_at_peak": float(peaks[1]),
@@ -217,7 +219,7 @@ def _crossing(drift, force, before, level):
     return drift[before] + share * (drift[before + 1] - drift[before])
 
 
-def drift_at_first_crack(history):
+def drift_at_first_crack(history: History) -> float | None:
     """|Drift ratio| at the first sample in which a contact point has opened, or slipped by
     displacement, by more than 0.1 mm [-]; None without one."""
     visible = (history.opening_m > THRESHOLD) | (
@@ -227,7 +229,7 @@ def drift_at_first_crack(history):
     return float(abs(since_the_push(history)[1][first[0]])) if len(first) else None
 
 
-def cycle_edges(history):
+def cycle_edges(history: History) -> np.ndarray:
     """Samples (n_cycles + 1,) between which the prescribed displacement completes a cycle: from
     zero up, down and back.
 
@@ -251,7 +253,7 @@ def cycle_edges(history):
     return np.append(upwards[:whole], len(asked) - 1) if ended else upwards
 
 
-def cycles_table(history):
+def cycles_table(history: History) -> pd.DataFrame:
     """Table of the cycles of a cyclic run, a DataFrame with CYCLE_COLUMNS, a row for each cycle.
 
     A cycle is a loop of base shear and drift (`loop_measures`).  The index is that at the samples
@@ -277,7 +279,7 @@ def cycles_table(history):
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))
 
 
-def mode_shares(history, until=np.inf):
+def mode_shares(history: History, until: float = np.inf) -> dict:
     """Failure mode of a wall, from the bed joints at the sample of largest |drift|, a plain
     dictionary.
 
@@ -324,7 +326,7 @@ def _mode(shares):
     return "shear, diagonal" if shares["stair_share"] >= STAIR_SHARE else "shear, sliding"
 
 
-def hand_capacities(history):
+def hand_capacities(history: History) -> dict[str, float]:
     """Analytical lateral capacities of a solid wall, {mode: force [N]}; history: of a pushed wall.
 
     rocking: rigid rotation about toes half the length of a contact point inside the ends; where the
@@ -363,7 +365,7 @@ def hand_capacities(history):
     }
 
 
-def draws_needed(values):
+def draws_needed(values: np.ndarray) -> int:
     """Number of draws whose median's standard error, 1.25 s / sqrt(n), is a fortieth of it: 5 % at
     95 % confidence."""
     return int(np.ceil((1.2533 * np.std(values, ddof=1) / (0.025 * np.median(values))) ** 2))

@@ -13,6 +13,7 @@ import pandas as pd
 from damage.applications.cracks.patterns import compare_patterns, describe_patterns
 from damage.errors import InputError
 from damage.history.moments import BREAKS, JOINT_STATES, check_samples, state_codes
+from damage.history.reader import History
 from damage.index import THRESHOLD
 from damage.measure.cycles import NOISE, upward_crossings
 from damage.measure.summary import summarise
@@ -41,7 +42,7 @@ the 42 of `crosscheck`.  15 % are 1.6 times the mean width, or 2.5 times the num
 DRIFT_TOLERANCE = 0.005  # RMS difference of the drift before the first failure over its RMS [-]
 
 
-def compare(first, others):
+def compare(first: History, others: list[History]) -> dict:
     """Comparison of a History with others of the same wall, a plain dictionary.
 
     first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed",
@@ -81,7 +82,7 @@ def compare(first, others):
     }
 
 
-def numbers_of(history):
+def numbers_of(history: History) -> dict:
     """{measure of TOLERANCES: value} of a History, None where a measure does not apply."""
     summary = summarise(history)
     return {
@@ -96,7 +97,7 @@ def numbers_of(history):
     }
 
 
-def cycle_length(series):
+def cycle_length(series: pd.DataFrame) -> float | None:
     """Mean duration of the full cycles of the drift in the rest stage of the first event [s], None
     without one; series: of a History."""
     rest = series[(series["stage"] == "rest") & (series["shock"] == 1)]
@@ -127,14 +128,14 @@ def _compare_numbers(first, others):
     return rows
 
 
-def allowed_difference(name, value):
+def allowed_difference(name: str, value: float) -> float:
     """Largest allowed difference of a measure of TOLERANCES from `value` of the second history, in
     its unit."""
     absolute, relative = TOLERANCES[name]
     return max(absolute, relative * abs(value))
 
 
-def compare_drift(first, second):
+def compare_drift(first: History, second: History) -> dict:
     """Differences of the drift ratios of two Histories over time, a plain dictionary.
 
     first_failure_s: time of the first failure in either run [s], None without one;
@@ -190,7 +191,7 @@ def _common_drift(first, second):
     return time, *(CubicSpline(frame["time_s"], frame["drift_ratio"])(time) for frame in frames)
 
 
-def joints_ever(history):
+def joints_ever(history: History) -> pd.DataFrame:
     """States that the joints of a History ever had: a DataFrame indexed by (first_body,
     second_body).
 
@@ -227,13 +228,13 @@ def joints_ever(history):
     return joints
 
 
-def joint_keys(history):
+def joint_keys(history: History) -> list:
     """First and second body of each contact point of a History, by which `joints_ever` has its
     joints."""
     return [history.joints["first_body"].clip(lower=-1), history.joints["second_body"]]
 
 
-def compare_joints(first, second):
+def compare_joints(first: History, second: History) -> dict:
     """Agreement of two Histories on the joints that failed in either run, a plain dictionary.
 
     broke_in_either, broke_in_both, same_state: numbers of joints; kappa: `cohens_kappa` of their
@@ -253,7 +254,7 @@ def compare_joints(first, second):
     }
 
 
-def cohens_kappa(here, there):
+def cohens_kappa(here: np.ndarray, there: np.ndarray) -> float | None:
     """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where
     they are empty.
 
@@ -270,7 +271,7 @@ def cohens_kappa(here, there):
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)
 
 
-def describe(result):
+def describe(result: dict) -> str:
     """The result of `compare` as text, a line each for people."""
     lines = [
         f"first:  {result['first']}",

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from damage.history.reader import History
 from damage.index import THRESHOLD
 
 WINDOW_M = 0.45
@@ -29,7 +30,7 @@ SIDES_MARGIN = 0.05
 right."""
 
 
-def compare_patterns(first, second):
+def compare_patterns(first: History, second: History) -> dict:
     """Fractions skill scores of two Histories of one wall at the end of their motions, a plain
     dictionary.
 
@@ -50,7 +51,7 @@ def compare_patterns(first, second):
     }
 
 
-def fractions_skill_score(f, g):
+def fractions_skill_score(f: np.ndarray, g: np.ndarray) -> float | None:
     """Fractions skill score 1 - sum (f - g)^2 / sum (f^2 + g^2) [-]; None where both are zero
     everywhere.
 
@@ -63,7 +64,7 @@ def fractions_skill_score(f, g):
     return 1.0 - float(np.sum((f - g) ** 2)) / size if size > 0 else None
 
 
-def cracked(history, what, slip="displacement"):
+def cracked(history: History, what: str, slip: str = "displacement") -> np.ndarray:
     """Whether contact points are cracked at the end of the (last) motion, (n_joints,) bool.
 
     what: "broken" (failed), or "visible" (ever opened or slipped by more than 0.1 mm); slip:
@@ -77,7 +78,7 @@ def cracked(history, what, slip="displacement"):
     return ((history.opening_m[:end] > THRESHOLD) | slipped).any(axis=0)
 
 
-def places_of(history):
+def places_of(history: History) -> "Places":
     """The Places of the joints of a History."""
     joints = history.joints
     return Places(
@@ -97,7 +98,7 @@ class Places(NamedTuple):
     length: np.ndarray
     extent: tuple[float, float]
 
-    def sums(self, values, mirrored=False):
+    def sums(self, values: np.ndarray, mirrored: bool = False) -> np.ndarray:
         """Sums (k, n_windows) over each window of values (k, n_joints); mirrored: exchange left and
         right."""
         x = self.extent[0] - self.x if mirrored else self.x
@@ -105,16 +106,16 @@ class Places(NamedTuple):
         sums = [np.einsum("ap,bp,p->ab", across, up, one, optimize=True).ravel() for one in values]
         return np.array(sums)
 
-    def fractions(self, flags, mirrored=False):
+    def fractions(self, flags: np.ndarray, mirrored: bool = False) -> np.ndarray:
         """Share of the joint length that is flagged in each window, (n_windows,) [-]; zero in
         windows without joints.
 
         flags: (n_joints,) bool; mirrored: exchange left and right.
         """
-        in_all, in_cracks = self.sums((self.length, self.length * flags), mirrored)
+        in_all, in_cracks = self.sums(np.array([self.length, self.length * flags]), mirrored)
         return np.divide(in_cracks, in_all, out=np.zeros_like(in_all), where=in_all > 0)
 
-    def scores(self, first, second, others=None):
+    def scores(self, first: np.ndarray, second: np.ndarray, others: "Places | None" = None) -> dict:
         """Fractions skill score of the flagged joints (n_joints,) of two patterns with its
         controls, as of `compare_patterns`; others: the Places of the second pattern, where they are
         not these."""
@@ -131,7 +132,7 @@ class Places(NamedTuple):
         mirrored = fractions_skill_score(here, others.fractions(second, mirrored=True))
         return {
             "fss": score,
-            "shuffled": float(np.mean(shuffled)),
+            "shuffled": float(np.mean(np.array(shuffled, float))),
             "mirrored": mirrored,
             "tells_sides": bool(mirrored < score - SIDES_MARGIN),
         }
@@ -144,7 +145,7 @@ def _inside(places, extent):
     return (np.abs(places - middles[:, None]) <= WINDOW_M / 2 + 1e-9).astype(float)
 
 
-def describe_patterns(result):
+def describe_patterns(result: dict) -> list[str]:
     """The result of `compare_patterns` as text, a list of lines."""
     return [
         f"pattern of {words} at the end of the motion: {in_words(result[what])}"
@@ -155,7 +156,7 @@ def describe_patterns(result):
     ]
 
 
-def in_words(scores):
+def in_words(scores: dict) -> str:
     """Scores of `Places.scores` as text."""
     if scores["fss"] is None:
         return "none in either run"
