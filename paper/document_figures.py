@@ -1,11 +1,11 @@
-"""Figures of five documents, drawn from docs/tables.
+"""Figures of six documents, drawn from docs/tables.
 
     python3 -m paper document_figures [FOLDER]      # by default docs/pictures
 
 writes thirty_years.png (docs/paper/thirty-years.md), settled_walls.png
 (docs/paper/settled-walls.md), after_the_peak.png (docs/validation/after-the-peak.md),
-shaken_walls.png (docs/validation/shaken-walls.md) and model_contact_points.png
-(docs/model/model.md).
+shaken_walls.png (docs/validation/shaken-walls.md), claim_calibration.png (docs/paper/claims.md) and
+model_contact_points.png (docs/model/model.md).
 """
 
 from pathlib import Path
@@ -220,6 +220,28 @@ HEIGHT = 0.075
 numbers, x + i z."""
 
 
+@styled
+def claim_calibration():
+    """Draws how often "not without the earthquakes" is true over how often it is stated, by
+    wall."""
+    rows = pd.read_csv(TABLES / "benchmarks" / "claim_calibration.csv")
+    figure, axes = grid(1, 1, 2.4, WIDTH)
+    ax = axes[0, 0]
+    looks = zip("os^Dv", (BLUE, ORANGE, GREEN, SKY, VERMILLION))
+    for (wall, points), (marker, color) in zip(rows.groupby("wall", sort=False), looks):
+        marks(ax, points["mean stated"], points["true of 100"], wall, marker, color, clip_on=False)
+    ax.plot([0, 100], [0, 100], color=DARK, label="as stated")
+    ax.set(xlabel="stated of 100: not without the earthquakes", xlim=(0, 100))
+    ax.set(ylabel="true of 100", ylim=(0, 100))
+    return finished(
+        figure,
+        3,
+        "How often a statement of the sheet is true",
+        "claims of known truth, in five classes of what is stated; assumed probability of"
+        " settlement 0.5",
+    )
+
+
 def brick(ax, name, centre, turned=0.0):
     """Draws a brick, turned about its centre [rad], and its name."""
     half = (LENGTH + 1j * HEIGHT) / 2
@@ -283,7 +305,14 @@ def model_contact_points():
     return figure
 
 
-FIGURES = thirty_years, settled_walls, after_the_peak, shaken_walls, model_contact_points
+FIGURES = (
+    thirty_years,
+    settled_walls,
+    after_the_peak,
+    shaken_walls,
+    claim_calibration,
+    model_contact_points,
+)
 
 
 def main():
