@@ -78,10 +78,10 @@ def _keep_sources(parser, asked):
     """Raise InputError where a command would overwrite a file that it reads; asked: its options,
     as its parser returns them."""
     written = {
-        one.dest
+        action.dest
         for group in parser._action_groups
         if group.title == "output"
-        for one in group._group_actions
+        for action in group._group_actions
     }
     paths = {True: set(), False: set()}
     for name, value in vars(asked).items():
@@ -102,7 +102,9 @@ class _Parser(OneLineParser):
         formatter = self._get_formatter()
         formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)
         formatter.add_text(self.description)
-        listed = {one.dest: one for one in self._subparsers._group_actions[0]._choices_actions}
+        listed = {
+            action.dest: action for action in self._subparsers._group_actions[0]._choices_actions
+        }
         others = [name for name in listed if not any(name in names for names in GROUPS.values())]
         for title, names in {**GROUPS, "other commands": others}.items():
             formatter.start_section(title)

@@ -105,7 +105,7 @@ def group(title, *arguments):
     def add(parser):
         if title not in parser.groups:
             parser.groups[title] = parser.add_argument_group(title)
-        return [one(parser.groups[title]) for one in arguments]
+        return [argument(parser.groups[title]) for argument in arguments]
 
     return add
 

@@ -140,18 +140,18 @@ def check_fields(
 ):
     """Raise InputError where a field of a record is not what it says; name: of a field in the
     message.  Numbers of other kinds, as numpy's, become Python's, which files take."""
-    for one in fields(record):
-        value = _plain(getattr(record, one.name))
-        vars(record)[one.name] = value  # the record may be frozen
+    for attribute in fields(record):
+        value = _plain(getattr(record, attribute.name))
+        vars(record)[attribute.name] = value  # the record may be frozen
         if (
-            one.metadata
-            and not (value is None and one.default is None)
-            and value not in one.metadata["words"]
+            attribute.metadata
+            and not (value is None and attribute.default is None)
+            and value not in attribute.metadata["words"]
         ):
             try:
-                _check(name(record, one), value, one.metadata)
+                _check(name(record, attribute), value, attribute.metadata)
             except InputError as error:
-                raise InputError(f"{error}{_meant(value, one.metadata['usual'])}") from None
+                raise InputError(f"{error}{_meant(value, attribute.metadata['usual'])}") from None
 
 
 def _plain(value):
@@ -177,9 +177,9 @@ def _check(what, value, of):
 def ranges_of(kind):
     """{record and field: Range} of a kind of record."""
     return {
-        f"{kind.__name__}.{one.name}": one.metadata["usual"]
-        for one in fields(kind)
-        if one.metadata.get("usual")
+        f"{kind.__name__}.{attribute.name}": attribute.metadata["usual"]
+        for attribute in fields(kind)
+        if attribute.metadata.get("usual")
     }
 
 

@@ -40,7 +40,7 @@ def shipped_path(path):
         return None
     candidates = (_PACKAGE.parent / path, shipped(path.parts[0]).joinpath(*path.parts[1:]))
     known = path.parts[0] in ("walls", "houses", "studies") or path.parts[:2] == ("damage", "data")
-    return next((one for one in candidates if known and is_there(one)), None)
+    return next((candidate for candidate in candidates if known and is_there(candidate)), None)
 
 
 def is_there(path):

@@ -160,5 +160,5 @@ class _Code(ast.NodeTransformer):
     def visit_Call(self, node):
         if getattr(node.func, "id", None) in _SAYING:
             node.args = []
-            node.keywords = [one for one in node.keywords if one.arg == "default"]
+            node.keywords = [keyword for keyword in node.keywords if keyword.arg == "default"]
         return self.generic_visit(node)

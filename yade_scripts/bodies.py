@@ -86,7 +86,7 @@ class Parts:
             ),
         )
         self._solid, self.tip, self._bond = (
-            O.materials[O.materials.append(one)] for one in materials
+            O.materials[O.materials.append(material)] for material in materials
         )
 
     def _plan_points(self):

@@ -176,7 +176,7 @@ def _loads():
     """Numbers of the bodies, some of which may be erased, and forces and torques on them, of clumps
     those of a top that is held or restrained, (n_bodies, 7) [N, N m]."""
     return np.array(
-        [(one.id, *O.forces.f(one.id, True), *O.forces.t(one.id, True)) for one in O.bodies]
+        [(body.id, *O.forces.f(body.id, True), *O.forces.t(body.id, True)) for body in O.bodies]
     )
 
 

@@ -119,14 +119,18 @@ class FrictionWork:
             self._near = list(self._watched.values())
         if anew:
             self._near = [
-                one for one in self._near if one.closed or one.geom.penetrationDepth > -_NEAR
+                contact
+                for contact in self._near
+                if contact.closed or contact.geom.penetrationDepth > -_NEAR
             ]
         left_out = 0.0
-        for one in self._near:
-            was_closed = one.closed
-            one.closed = one.geom.penetrationDepth >= 0
-            if one.closed or was_closed:
-                fall = one.before - one.force
-                left_out += fall.squaredNorm() * one.half_compliance - fall.dot(one.slid) / 2
-                one.before = one.force + _ZERO
+        for contact in self._near:
+            was_closed = contact.closed
+            contact.closed = contact.geom.penetrationDepth >= 0
+            if contact.closed or was_closed:
+                fall = contact.before - contact.force
+                left_out += (
+                    fall.squaredNorm() * contact.half_compliance - fall.dot(contact.slid) / 2
+                )
+                contact.before = contact.force + _ZERO
         self._rest += left_out

@@ -40,7 +40,10 @@ def check_law(joint):
     follow: they would have the law without it."""
     material = material_of(joint)
     defaults = type(material)._field_defaults
-    given = [(one.name, getattr(joint, one.name), one.default) for one in fields(joint)]
+    given = [
+        (attribute.name, getattr(joint, attribute.name), attribute.default)
+        for attribute in fields(joint)
+    ]
     given += [(name, getattr(material, name), defaults.get(name)) for name in material._fields]
     for name, value, default in given:
         if name not in FOLLOWED and value != default:

@@ -60,7 +60,7 @@ def _index(asked):
             ),
             part,
         )
-    warn(*dict.fromkeys(text for one in summaries.values() for text in one["warnings"]))
+    warn(*dict.fromkeys(text for summary in summaries.values() for text in summary["warnings"]))
     if history.is_house:
         show(asked, house_summary(history, summaries), describe_house)
     else:
@@ -77,7 +77,7 @@ def _index(asked):
 def _check(asked):
     checked = [check(path) for path in asked.histories]
     show(asked, checked, describe_check)
-    found = {one["worth"] for one in checked}
+    found = {file["worth"] for file in checked}
     return 2 if DAMAGED in found else int(not found <= {WHOLE})
 
 

@@ -107,7 +107,9 @@ def widths(history, sample):
 def magnification(space, snapshots):
     """Factor that makes the largest displacement in these snapshots visible, as
     `damage.draw.wall.magnification` does; space: InSpace."""
-    largest = max(float(np.abs(space.corners(one) - space.boxes).max()) for one in snapshots)
+    largest = max(
+        float(np.abs(space.corners(snapshot) - space.boxes).max()) for snapshot in snapshots
+    )
     return visible(largest, float(space.boxes[..., 2].max()), VISIBLE_SHARE)
 
 
@@ -220,7 +222,7 @@ def legend_of(history, sample, widest_pt):
         crack_width_m=widths(history, sample),
         widest_pt=widest_pt,
     )
-    return [one for one in run.joint_handles(shape) if one.get_label() != "intact"]
+    return [handle for handle in run.joint_handles(shape) if handle.get_label() != "intact"]
 
 
 def _moment(history, sample, damage):
@@ -326,7 +328,7 @@ class Perspective:
         """Set the limits of the axes to what is seen from these azimuths [deg]; returns height over
         width."""
         around = self._around(0.15)
-        seen = [Eye(one, self.middle, self.radius).project(around) for one in azimuths]
+        seen = [Eye(azimuth, self.middle, self.radius).project(around) for azimuth in azimuths]
         low = np.min(seen, axis=(0, 1))
         high = np.max(seen, axis=(0, 1))
         self.ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))

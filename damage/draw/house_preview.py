@@ -33,7 +33,7 @@ def house_preview(layout):
     and its walls as `damage.draw.preview.wall_preview` draws them; layout: that of the House."""
     house = layout.house
     handles = {}
-    walls = [one.wall for one in house.bearing]
+    walls = [placed.wall for placed in house.bearing]
     n = layout.n_joints
     concrete = [one for one in house.floors if one.kind == "concrete"]
     concrete.sort(key=lambda floor: floor.level)
@@ -84,7 +84,7 @@ def _area(span):
 
 def _draw_plan(ax, house):
     """Draw the plan of a house; returns {label: handle} of a legend."""
-    corners = np.array([one.corners for one in house.walls])
+    corners = np.array([wall.corners for wall in house.walls])
     low = corners.min(axis=(0, 1))
     high = corners.max(axis=(0, 1))
     found = {}
@@ -119,7 +119,7 @@ def _draw_floor(ax, house, floor):
     carrying = house.carrying(floor)
     colour = FLOORS[floor.kind]
     spans = floor.spans(carrying) if floor.kind == "timber" else []
-    for area in [_area(one) for one in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
+    for area in [_area(span) for span in spans] or [outline(carrying) @ carrying[0].axes[:2, :2]]:
         (x0, y0), (x1, y1) = area
         style.add_bodies(ax, [[(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], colour)
     label = f"{floor.kind} floor at {floor.level:g} m"

@@ -164,7 +164,9 @@ def _name_parts(ax, plan):
     piers = [(course, run) for course in _pier_courses(plan) for run in plan.runs[course]]
     for number, (course, (left, right)) in enumerate(piers, start=1):
         ax.text((left + right) / 2, (course + 0.5) * h, f"P{number}", **named)
-    above = sorted((one.above, one.spandrel, one.left, one.right) for one in plan.openings)
+    above = sorted(
+        (opening.above, opening.spandrel, opening.left, opening.right) for opening in plan.openings
+    )
     spandrels = [one for one in above if one[1] > one[0]]
     for number, (first, last, left, right) in enumerate(spandrels, start=1):
         ax.text(
@@ -179,7 +181,7 @@ def _pier_courses(plan):
     """A course in the middle of each row of openings, upwards; openings of a row have courses in
     common.  The wall's middle course where it has none."""
     rows = []
-    for first, above in sorted((one.first, one.above) for one in plan.openings):
+    for first, above in sorted((opening.first, opening.above) for opening in plan.openings):
         if rows and first < rows[-1][1]:
             rows[-1] = first, min(above, rows[-1][1])
         else:

@@ -96,7 +96,7 @@ class Buffer:
         and stresses (n_bodies, 5, 3) [Pa] of deformable bricks, or what of the displacement is out
         of the plane (n_bodies, 3) [m, rad, rad] of a house."""
         self._rows["snapshots"].append(
-            (time_s, *(np.array(one, "f4") for one in (displacement, *more)))
+            (time_s, *(np.array(column, "f4") for column in (displacement, *more)))
         )
 
     def look(self, time_s, unbalanced_force):

@@ -64,13 +64,13 @@ def describe_check(checked: list[dict]) -> str:
     """Text of the results of `check`, a line for each file."""
     return "\n".join(
         (
-            f"{one['worth']}: {one['says']}"
-            if one["worth"] == DAMAGED
-            else f"{one['worth']}: {one['file']}: {one['status']}, {one['samples']} samples"
-            + ("" if one["until_s"] is None else f" to {one['until_s']:.3f} s")
-            + f"; {one['says']}"
+            f"{file['worth']}: {file['says']}"
+            if file["worth"] == DAMAGED
+            else f"{file['worth']}: {file['file']}: {file['status']}, {file['samples']} samples"
+            + ("" if file["until_s"] is None else f" to {file['until_s']:.3f} s")
+            + f"; {file['says']}"
         )
-        for one in checked
+        for file in checked
     )
 
 

@@ -52,7 +52,9 @@ class HouseRows(NamedTuple):
 def wall_of(history, name):
     """`History.of_wall`."""
     walls = history.parameters["house"]["walls"] if history.house else []
-    names = [one["wall"]["name"] for one in walls] if history.is_house else FACES[: 2 * len(walls)]
+    names = (
+        [wall["wall"]["name"] for wall in walls] if history.is_house else FACES[: 2 * len(walls)]
+    )
     if name not in names:
         raise InputError(
             f"{history.path} has no wall or face {name}: expected"

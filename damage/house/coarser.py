@@ -55,8 +55,8 @@ def coarser(wall, along, up):
             joint=replace(wall.joint, **joint),
             lintel=_as_high(wall.lintel, brick),
             openings=tuple(
-                replace(one, lintel=one.lintel and _as_high(one.lintel, brick))
-                for one in wall.openings
+                replace(opening, lintel=opening.lintel and _as_high(opening.lintel, brick))
+                for opening in wall.openings
             ),
         )
         _check_spandrels(found)

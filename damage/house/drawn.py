@@ -77,7 +77,7 @@ def drawn(wall, of, seed):
         return replace(
             wall,
             walls=[replace(one, wall=drawn(one.wall, of, seed)) for one in wall.walls],
-            floors=[_times(one, factor, {"mass_per_area": "load"}) for one in wall.floors],
+            floors=[_times(floor, factor, {"mass_per_area": "load"}) for floor in wall.floors],
         )
     load = factor["load"]
     return replace(
@@ -85,9 +85,10 @@ def drawn(wall, of, seed):
         brick=_times(wall.brick, factor, _BRICK),
         joint=_with_friction(_times(wall.joint, factor, _JOINT), factor["friction"]),
         precompression=load * wall.precompression,
-        floors=[_times(one, factor, _FLOOR) for one in wall.floors],
+        floors=[_times(floor, factor, _FLOOR) for floor in wall.floors],
         restraints=[
-            _times(one, factor, _BEARING) if one.side == "top" else one for one in wall.restraints
+            _times(restraint, factor, _BEARING) if restraint.side == "top" else restraint
+            for restraint in wall.restraints
         ],
     )
 

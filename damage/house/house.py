@@ -150,8 +150,8 @@ class Diaphragm:
             size = np.ptp(outline(walls), axis=0)
             mass = self.mass_per_area * float(size.prod()) / len(walls)
             floor = Floor(self.level, mass, kind=self.kind, depth=self.depth)
-            return {one.wall.name: [floor] for one in walls}
-        found = {one.wall.name: [] for one in walls}
+            return {placed.wall.name: [floor] for placed in walls}
+        found = {placed.wall.name: [] for placed in walls}
         for span in self.spans(walls):
             for one, (left, right) in ((span.one, span.along), (span.other, span.other_along)):
                 mass = self.mass_per_area * span.apart / 2 * (right - left)
@@ -162,7 +162,7 @@ class Diaphragm:
 def outline(walls):
     """Corners of the rectangle around Placed walls at right angles, in the axes of the first: the
     lowest and the highest ones, (2, 2) [m]."""
-    corners = np.concatenate([one.corners for one in walls]) @ walls[0].axes[:2, :2].T
+    corners = np.concatenate([wall.corners for wall in walls]) @ walls[0].axes[:2, :2].T
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
@@ -248,7 +248,7 @@ class House:
 
     def carrying(self, floor):
         """The Placed walls of a Diaphragm, in the order of the house."""
-        return [one for one in self.walls if one.wall.name in floor.walls]
+        return [placed for placed in self.walls if placed.wall.name in floor.walls]
 
     @cached_property
     def bearing(self):
@@ -258,8 +258,11 @@ class House:
             for name, found in floor.on_walls(self.carrying(floor)).items():
                 more[name] += found
         return tuple(
-            replace(one, wall=replace(one.wall, floors=(*one.wall.floors, *more[one.wall.name])))
-            for one in self.walls
+            replace(
+                placed,
+                wall=replace(placed.wall, floors=(*placed.wall.floors, *more[placed.wall.name])),
+            )
+            for placed in self.walls
         )
 
     def as_dict(self):
@@ -269,11 +272,11 @@ class House:
             "heading": self.heading,
             "walls": [
                 {
-                    "wall": one.wall.as_dict(),
-                    "origin": list(one.origin),
-                    "direction": one.direction,
+                    "wall": placed.wall.as_dict(),
+                    "origin": list(placed.origin),
+                    "direction": placed.direction,
                 }
-                for one in self.bearing
+                for placed in self.bearing
             ],
             **{
                 name: [vars(one) | {"walls": list(one.walls)} for one in getattr(self, name)]
@@ -332,11 +335,11 @@ def _check_floor(house, floor):
             f" {'two or more' if floor.kind == 'timber' else 'some'} of its walls, {names}; correct"
             " them"
         )
-    for one in walls[1:]:
-        turn = abs(walls[0].axes[0] @ one.axes[0])
+    for placed in walls[1:]:
+        turn = abs(walls[0].axes[0] @ placed.axes[0])
         if turn < 1 - TINY and (floor.kind == "timber" or turn > TINY):
             raise InputError(
-                f"{what}: walls {walls[0].wall.name} and {one.wall.name}: expected parallel ones"
+                f"{what}: walls {walls[0].wall.name} and {placed.wall.name}: expected parallel ones"
                 f"{'' if floor.kind == 'timber' else ', or right angles'}; correct its walls"
             )
     floor.on_walls(walls)
@@ -355,7 +358,7 @@ def read_house(path):
         for number, one in enumerate(corners, 1)
     ]
     for roof in _tables(path, [table.pop("roof")] if "roof" in table else []):
-        tops = [one.wall.height for one in walls if one.wall.name in roof.get("walls", ())]
+        tops = [placed.wall.height for placed in walls if placed.wall.name in roof.get("walls", ())]
         floors = [*floors, {"level": max(tops, default=1.0)} | roof]
     floors = [
         user_record(f"{path}, [[floors]] {number}", Diaphragm, one)

@@ -80,7 +80,9 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     for floor in house.floors:
         if floor.kind == "concrete":
             layout = _with_slab(layout, floor)
-    met = {tuple(sorted(map(house.names.index, one.walls))): one.kind for one in house.corners}
+    met = {
+        tuple(sorted(map(house.names.index, corner.walls))): corner.kind for corner in house.corners
+    }
     making_room = np.full(len(layout.bodies), GROUND)
     for pair in combinations(range(len(parts)), 2):
         making_room = np.maximum(making_room, makes_room_for(layout, *pair, met.get(pair)))
@@ -200,7 +202,9 @@ def _together(house, parts):
 
 def _axes(house, joint_wall, upright):
     """Axes of contact points of these walls (n_contacts, 3, 3); upright: (n_contacts, 1)."""
-    along, across, up = np.array([one.axes for one in house.walls])[joint_wall].transpose(1, 0, 2)
+    along, across, up = np.array([placed.axes for placed in house.walls])[joint_wall].transpose(
+        1, 0, 2
+    )
     normal = np.where(upright, along, up)
     tangent = np.where(upright, up, along)
     return np.stack([normal, tangent, across], axis=1)
@@ -262,7 +266,7 @@ def _with_slab(layout, floor):
     strip = Floor(floor.level, 1.0, kind="concrete", depth=floor.depth)
     z = sum(strip.courses(walls[0].wall)) / 2 * layout.wall.brick.height
     strips = (bodies.course == SLAB_COURSE) & (np.abs(bodies.z - z) < TINY)
-    strips &= np.isin(layout.body_wall, [house.walls.index(one) for one in walls])
+    strips &= np.isin(layout.body_wall, [house.walls.index(wall) for wall in walls])
     slab = np.flatnonzero(strips)[0]
     number = house.walls.index(walls[0])
     low, high = outline(walls)

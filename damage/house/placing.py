@@ -58,12 +58,14 @@ class Placing(NamedTuple):
 
 def placing_of(walls):
     """The Placing of the walls of a house, tables as a history's parameters have them."""
-    placed = [Placed(Wall.from_dict(one["wall"]), one["origin"], one["direction"]) for one in walls]
+    placed = [
+        Placed(Wall.from_dict(wall["wall"]), wall["origin"], wall["direction"]) for wall in walls
+    ]
     return Placing(
-        [one.wall.name for one in placed],
-        np.array([one["left_m"] for one in walls]),
-        np.array([(*one.origin, 0.0) for one in placed]),
-        np.array([one.axes for one in placed]),
-        np.array([one.wall.length for one in placed]),
-        np.array([one.wall.brick.thickness for one in placed]),
+        [wall.wall.name for wall in placed],
+        np.array([wall["left_m"] for wall in walls]),
+        np.array([(*wall.origin, 0.0) for wall in placed]),
+        np.array([wall.axes for wall in placed]),
+        np.array([wall.wall.length for wall in placed]),
+        np.array([wall.wall.brick.thickness for wall in placed]),
     )

@@ -129,7 +129,7 @@ class HouseLayout(Layout):
     @property
     def of_body(self):
         """Axes of each body's wall: along it, across and upwards, (n_bodies, 3, 3)."""
-        return np.array([one.axes for one in self.house.walls])[self.body_wall]
+        return np.array([placed.axes for placed in self.house.walls])[self.body_wall]
 
     @property
     def centres(self):
@@ -180,7 +180,9 @@ class HouseLayout(Layout):
     def tops(self, motion):
         """Displacement along each wall of its top over the piers (n, n_walls) [m]; motion: (n,
         n_bodies, 3)."""
-        return np.column_stack([motion[:, one, 0].mean(axis=1) for one in self.wall_drift_bodies])
+        return np.column_stack(
+            [motion[:, bodies, 0].mean(axis=1) for bodies in self.wall_drift_bodies]
+        )
 
     def across(self, motion):
         """Displacement across each wall of the body where it is largest (n, n_walls) [m]; motion:
@@ -301,7 +303,7 @@ def without(layout, drop):
     new = np.append(np.cumsum(kept) - 1, GROUND - ground)
     ends = [rows(end, len(drop)) for end in (contacts.first, contacts.second)]
     stay = np.append(kept, ground >= 0)[ends].all(axis=0)
-    drift = [new[_remaining(layout, one, kept)] for one in layout.wall_drift_bodies]
+    drift = [new[_remaining(layout, bodies, kept)] for bodies in layout.wall_drift_bodies]
     return replace(
         layout,
         bodies=taken(layout.bodies, kept),
@@ -368,13 +370,13 @@ def _inserted(table, n, added):
 
 
 def taken(table, index):
-    return type(table)(*(getattr(table, one.name)[index] for one in fields(table)))
+    return type(table)(*(getattr(table, attribute.name)[index] for attribute in fields(table)))
 
 
 def concatenated(tables):
     return type(tables[0])(
         *(
-            np.concatenate([getattr(table, one.name) for table in tables])
-            for one in fields(tables[0])
+            np.concatenate([getattr(table, attribute.name) for table in tables])
+            for attribute in fields(tables[0])
         )
     )

@@ -45,9 +45,9 @@ class Span(NamedTuple):
 def spans_between(walls, what):
     """The Spans between parallel Placed walls, each and its next one; what: for messages."""
     axes = walls[0].axes[:2, :2]
-    place = [axes @ one.origin for one in walls]
+    place = [axes @ placed.origin for placed in walls]
     order = sorted(range(len(walls)), key=lambda number: place[number][1])
-    ends = [sorted(axes[0] @ end for end in one.ends) for one in walls]
+    ends = [sorted(axes[0] @ end for end in wall.ends) for wall in walls]
     found = []
     for one, other in zip(order, order[1:]):
         left, right = (pick(ends[one][k], ends[other][k]) for k, pick in ((0, max), (1, min)))
@@ -88,7 +88,7 @@ class Ties:
         """The Span between its walls of a House; raises InputError where they are no leaves of a
         cavity wall."""
         what = f"house {house.name}, ties of {' and '.join(self.walls)}"
-        walls = [one for one in house.walls if one.wall.name in self.walls]
+        walls = [placed for placed in house.walls if placed.wall.name in self.walls]
         if len(walls) != 2 or abs(walls[0].axes[0] @ walls[1].axes[0]) < 1 - TINY:
             raise InputError(
                 f"{what}: expected two of its walls, {', '.join(house.names)}, that are parallel;"

@@ -76,7 +76,7 @@ def joint_stiffness(
     return sum_of_products(
         len(layout.bodies),
         np.hstack([ends[:, of]] * len(rows)),
-        np.hstack([one[:, of] for one in rows]),
+        np.hstack([row[:, of] for row in rows]),
         np.hstack(weights),
     )
 

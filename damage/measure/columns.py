@@ -13,9 +13,9 @@ from damage.wall.model_options import ModelOptions
 
 def _model(seeds):
     return {
-        one.name: Column("", one.metadata["help"])
-        for one in fields(ModelOptions)
-        if one.metadata["seed"] == seeds
+        attribute.name: Column("", attribute.metadata["help"])
+        for attribute in fields(ModelOptions)
+        if attribute.metadata["seed"] == seeds
     }
 
 

@@ -96,14 +96,14 @@ def evidence_for(wall, parameters, result=None):
             result and result["collapsed_at_s"] is not None and parameters.get("after_fall")
         ),
     )
-    return {one.name: one.judge(run) for one in QUANTITIES if one.value}
+    return {quantity.name: quantity.judge(run) for quantity in QUANTITIES if quantity.value}
 
 
 def _corners(wall, house):
     """Number of the corners of a wall of a house, or of the house, None of another wall."""
     if house is None:
         return None
-    named = [wall.name in one["walls"] for one in house["corners"]]
+    named = [wall.name in corner["walls"] for corner in house["corners"]]
     return sum(named) or (len(named) if wall.name == house["name"] else 0)
 
 
@@ -390,7 +390,7 @@ def outside(evidence):
     >>> outside({"drift": drift})
     ['drift 0.30002 % (up to 0.3 %)']
     """
-    by_name = {one.name: one for one in QUANTITIES}
+    by_name = {quantity.name: quantity for quantity in QUANTITIES}
     return [
         f"{name} {_beyond(one)}{' ' * bool(one['unit'])}{one['unit']} ({by_name[name].range})"
         for name, one in evidence.items()
@@ -407,7 +407,7 @@ def names_outside(words):
     True
     """
     # the longest first: "drift" begins "drift across the wall", too
-    names = sorted((one.name for one in QUANTITIES), key=len, reverse=True)
+    names = sorted((quantity.name for quantity in QUANTITIES), key=len, reverse=True)
     return {
         next(name for name in names if part.startswith(f"{name} "))
         for part in filter(None, words.split("; "))
@@ -424,7 +424,7 @@ def _beyond(judged):
 def describe(evidence):
     """The evidence for a run in one line."""
     found = outside(evidence)
-    known = sum(one["inside"] is not None for one in evidence.values())
+    known = sum(quantity["inside"] is not None for quantity in evidence.values())
     if not found:
         return f"evidence for this run: inside the range of validity in all {known} quantities"
     return (

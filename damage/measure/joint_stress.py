@@ -233,16 +233,16 @@ def _most_eccentric(table):
 def describe(report):
     """A `stress_report` as text for people."""
     lines = [f"stresses of the joints of {report['wall']}, tension positive"]
-    for one in report["moments"]:
+    for moment in report["moments"]:
         lines.append(
-            f"{one['moment']}, {one['time_s']:.3f} s: normal {_range(one, 'normal')}, shear "
-            f"{_range(one, 'shear')} MPa"
+            f"{moment['moment']}, {moment['time_s']:.3f} s: normal {_range(moment, 'normal')},"
+            f" shear {_range(moment, 'shear')} MPa"
         )
         lines += [
             f"  {part['part']} at {part['place_m']:.3f} m: N {part['normal_force_n'] / 1e3:.3f} kN,"
             f" V {part['shear_force_n'] / 1e3:.3f} kN, M {part['moment_n_m'] / 1e3:.3f} kN m, e / L"
             f" {part['eccentricity_over_length']:.3f}"
-            for part in one["sections"]
+            for part in moment["sections"]
         ]
     return "\n".join(lines)
 

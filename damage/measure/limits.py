@@ -114,7 +114,7 @@ def bound(name, number):
     return next(limits for limits in LIMITS if limits.name == name).bounds[number]
 
 
-@measure({one.name: Column("", one.description) for one in LIMITS})
+@measure({limit.name: Column("", limit.description) for limit in LIMITS})
 def classes(max_drift_ratio, max_psi, max_crack_width_mm):
     """Classes of a maximum drift ratio [-], a maximum Psi [-] and a widest crack [mm] by all
     LIMITS."""

@@ -36,10 +36,10 @@ _MODULES = {
 }
 REGISTER = {
     section: [
-        one
+        var
         for module in modules
-        for one in vars(module).values()
-        if hasattr(one, "columns") and one.__module__ == module.__name__
+        for var in vars(module).values()
+        if hasattr(var, "columns") and var.__module__ == module.__name__
     ]
     for section, modules in _MODULES.items()
 }

@@ -585,7 +585,7 @@ def _put_four(context, builder, signature, values):
     else:
         pairs = zip(
             _as_rows(builder, *four_of),
-            [builder.bitcast(one, _FOUR.as_pointer()) for one in pointers],
+            [builder.bitcast(pointer, _FOUR.as_pointer()) for pointer in pointers],
         )
     for value, place in pairs:
         builder.store(value, place, align=8)
@@ -611,7 +611,7 @@ def _add_three(context, builder, signature, values):
         _added(context, builder, signature, values, rows, three)
         for rows, three in ((2, values[6]), (3, values[7]))
     ]
-    pairs = [one for pair in zip(*both) for one in pair]
+    pairs = [component for pair in zip(*both) for component in pair]
     for place, one in pairs:
         builder.store(builder.fadd(builder.load(place, align=8), one), place, align=8)
     return context.get_dummy_value()

@@ -86,11 +86,15 @@ def rotd100(record: Record, across: Record) -> dict:
 
     The largest of all directions is the largest length of the vector of both components.
     """
-    pair = [one.acceleration_m_s2 for one in (record, across)]
+    pair = [component.acceleration_m_s2 for component in (record, across)]
     step_s = record.time_step_s
     spectrum = {
         str(period): (
-            float(np.hypot(*(oscillator_response(one, step_s, period) for one in pair)).max())
+            float(
+                np.hypot(
+                    *(oscillator_response(component, step_s, period) for component in pair)
+                ).max()
+            )
             / GRAVITY
         )
         for period in SPECTRUM_PERIODS_S

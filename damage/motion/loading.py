@@ -278,12 +278,20 @@ class Recorded(Loading):
         """{name: by how much it began later than the horizontal one [s]} of other components that
         were moved by their times."""
         least_s = 0.5 * self.record.time_step_s
-        return {one.name: one.late_s for one in self.components if abs(one.late_s) > least_s}
+        return {
+            component.name: component.late_s
+            for component in self.components
+            if abs(component.late_s) > least_s
+        }
 
     @cached_property
     def motion(self) -> tuple[Record, ...]:
         """The prepared horizontal and, where there is one, vertical record."""
-        return tuple(self._prepared(one) for one in (self.record, self.vertical) if one is not None)
+        return tuple(
+            self._prepared(component)
+            for component in (self.record, self.vertical)
+            if component is not None
+        )
 
     def _prepared(self, record):
         """Filters before the window: they need the quiet parts on both sides."""
@@ -536,7 +544,9 @@ class TopDisplacement(Loading):
                 f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give"
                 " fewer"
             )
-        object.__setattr__(self, "floor_shares", tuple(tuple(one) for one in self.floor_shares))
+        object.__setattr__(
+            self, "floor_shares", tuple(tuple(floor_share) for floor_share in self.floor_shares)
+        )
         self._check_shares()
 
     def _check_shares(self):
@@ -612,7 +622,7 @@ class TopDisplacement(Loading):
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def as_dict(self) -> dict:
-        shares = {"floor_shares": [[*one] for one in self.floor_shares]}
+        shares = {"floor_shares": [[*floor_share] for floor_share in self.floor_shares]}
         return {
             "kind": "cyclic" if self.cycles else "pushover",
             "name": self.name,
@@ -654,7 +664,9 @@ def loading_from_dict(table: dict) -> Loading:
 
 def _check_simultaneous(record, other, name):
     """Both components must hold the same instants."""
-    kinds = [(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)]
+    kinds = [
+        (component.time_step_s, component.acceleration_m_s2.size) for component in (record, other)
+    ]
     correction = (
         "expected the same step, length and start: put it on that time axis, with"
         " damage.motion.record.on_axis_of"
@@ -672,7 +684,9 @@ def _check_simultaneous(record, other, name):
 def _check_pair(record, across):
     """Two components have to be horizontal ones of one station, by their names where these end in
     channels as HGE."""
-    stations = [re.fullmatch(r"(.+)[._][A-Z]{2}[A-Z0-9]", one.name) for one in (record, across)]
+    stations = [
+        re.fullmatch(r"(.+)[._][A-Z]{2}[A-Z0-9]", component.name) for component in (record, across)
+    ]
     same = record.name == across.name or (record.sha256 and record.sha256 == across.sha256)
     elsewhere = all(stations) and stations[0][1] != stations[1][1]
     if same or elsewhere or prepare.VERTICAL.fullmatch(across.name):

@@ -175,10 +175,12 @@ def record_warnings(loading):
     """Warnings of the records of a Recorded, as named, as read and, for their offset, after
     baseline and band-pass."""
     whole = replace(loading, window_s=None, scale=1.0)
-    prepared = [one for one in (*whole.motion, whole.applied_across()) if one is not None]
-    read = [text for one in loading.components for text in spike_warnings(one)]
+    prepared = [
+        component for component in (*whole.motion, whole.applied_across()) if component is not None
+    ]
+    read = [text for component in loading.components for text in spike_warnings(component)]
     return [*channel_warnings(loading), *read] + [
-        text for one in prepared for text in offset_warnings(one)
+        text for component in prepared for text in offset_warnings(component)
     ]
 
 

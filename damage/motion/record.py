@@ -211,16 +211,18 @@ def start_difference_s(record: Record, other: Record) -> float:
     """Start of a record minus the start of another one [s], by their own times where neither has a
     start time; 0 of two that are as long, in equal steps, and begin at the same time of their
     own."""
-    sizes = {(one.time_step_s, one.acceleration_m_s2.size) for one in (record, other)}
+    sizes = {
+        (component.time_step_s, component.acceleration_m_s2.size) for component in (record, other)
+    }
     late_s = record.first_s - other.first_s
     if not (record.start_utc or other.start_utc) and (late_s or len(sizes) == 1):
         return late_s
-    for one in (record, other):
-        if not one.start_utc:
+    for component in (record, other):
+        if not component.start_utc:
             raise InputError(
-                f"{one.name} has no start time: expected that of both components, or none of two as"
-                " long, in equal steps; cut them alike, or write '# start 2018-01-08T14:00:52Z' on"
-                " the first line of a CSV"
+                f"{component.name} has no start time: expected that of both components, or none of"
+                " two as long, in equal steps; cut them alike, or write"
+                " '# start 2018-01-08T14:00:52Z' on the first line of a CSV"
             )
     return (_datetime(record.start_utc) - _datetime(other.start_utc)).total_seconds()
 

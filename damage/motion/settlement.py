@@ -192,7 +192,7 @@ def _of_levels(table, x, height):
     the ends are extended by END_M."""
     dated = "date" in table.names
     day_of = np.array(
-        [_day(table, *one) if dated else date.min for one in enumerate(table.rows["date"])]
+        [_day(table, *row) if dated else date.min for row in enumerate(table.rows["date"])]
     )
     days = sorted(set(day_of))
     first, last = (

@@ -117,7 +117,7 @@ def _digests(case, out):
 
 def digests_of(histories):
     """{quantity: digest} of histories, one after the other."""
-    found = [values_of(one) for one in histories]
+    found = [values_of(history) for history in histories]
     return {quantity: _digest([values[quantity] for values in found]) for quantity in found[0]}
 
 
@@ -148,7 +148,7 @@ def _digest(arrays):
     """First digits of the SHA-256 of the values of arrays, one after the other, in one byte
     order."""
     found = hashlib.sha256()
-    for array in (np.asarray(one) for values in arrays for one in values):
+    for array in (np.asarray(value) for values in arrays for value in values):
         found.update(
             " ".join(array.tolist()).encode()
             if array.dtype == object

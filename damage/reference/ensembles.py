@@ -52,7 +52,7 @@ def exceeds(walls, room):
     tables = wall.lanes.tables
 
     def of_batch(*names):
-        return WIDTH // tables.bench.shape[2] * sum(getattr(tables, one).nbytes for one in names)
+        return WIDTH // tables.bench.shape[2] * sum(getattr(tables, name).nbytes for name in names)
 
     room -= of_batch("bodies", "inertia", "limits", "last")
     points = of_batch("strengths", "states")

@@ -54,7 +54,7 @@ def _field(one, default, help_):
 
 def model_arguments(*names):
     """Arguments of the named fields of ModelOptions, a list."""
-    chosen = [one for one in fields(ModelOptions) if one.name in names]
+    chosen = [attribute for attribute in fields(ModelOptions) if attribute.name in names]
     usual = [one.default if isinstance(one.default, str) else f"{one.default:g}" for one in chosen]
     return [
         _field(one, one.default, f"{one.metadata['help']} (default {default})")
@@ -65,9 +65,13 @@ def model_arguments(*names):
 def _settings(*names):
     """Arguments of the named fields of RunSettings, a list."""
     return [
-        _field(one, None if None in one.metadata["words"] else one.default, one.metadata["help"])
-        for one in fields(RunSettings)
-        if one.name in names
+        _field(
+            attribute,
+            None if None in attribute.metadata["words"] else attribute.default,
+            attribute.metadata["help"],
+        )
+        for attribute in fields(RunSettings)
+        if attribute.name in names
     ]
 
 
@@ -130,7 +134,7 @@ def _model_arguments(solver):
     )
     return [
         UNITS,
-        *model_arguments(*(one.name for one in fields(ModelOptions))),
+        *model_arguments(*(attribute.name for attribute in fields(ModelOptions))),
         *_settings("beta_s"),
         *of_reference,
         *_settings("scatter", "seed", "members"),
@@ -429,8 +433,8 @@ def _settings_of(given, command):
 def _fields_of(kind, parsed):
     """{name: value} of the fields of a record for which options were offered."""
     given = (
-        (one.name, (one.metadata.get("option") or one.name).replace("-", "_"))
-        for one in fields(kind)
+        (attribute.name, (attribute.metadata.get("option") or attribute.name).replace("-", "_"))
+        for attribute in fields(kind)
     )
     return {name: getattr(parsed, option) for name, option in given if option in parsed}
 

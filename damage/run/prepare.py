@@ -204,8 +204,8 @@ def check(backend, wall, settings):
     wall.check_run(settings)
     settings.check_plausible(wall)
     settings = settings.for_joint(wall.masonry.joint, backend.softening_beta_s)
-    for one in wall.each_wall:
-        backend.check(settings, one)
+    for plane_wall in wall.each_wall:
+        backend.check(settings, plane_wall)
     return settings
 
 

@@ -24,7 +24,7 @@ def report(history, pictures=True):
         print(f"{history.status}: no sample was written")
         return
     summaries = {part.wall: with_added(summarise(part), part) for part in history.parts}
-    warn(*dict.fromkeys(text for one in summaries.values() for text in one["warnings"]))
+    warn(*dict.fromkeys(text for summary in summaries.values() for text in summary["warnings"]))
     if history.is_house:
         print(describe_house(house_summary(history, summaries)))
     else:

@@ -77,7 +77,7 @@ def schemes(settings, wall, modes, decay_1_s=0.0):
             choose_time_step(settings, critical_s, softens, decay_1_s)
             for softens in (False, wall.joint.softens)
         }
-        return tuple((settings, one) for one in sorted(steps, reverse=True))
+        return tuple((settings, step) for step in sorted(steps, reverse=True))
 
     def lintels_first(settings):
         """Explicit runs, before them one with scaled lintels where these limit the step."""

@@ -321,17 +321,17 @@ class RunSettings:
         motions = {
             id(one): one for one in (self.loading, *(event.loading for event in self.events))
         }
-        for one in motions.values():
+        for motion in motions.values():
             if (
-                isinstance(one, Recorded)
-                and one.record.time_step_s > period_s / 2
+                isinstance(motion, Recorded)
+                and motion.record.time_step_s > period_s / 2
                 and not self.accept_implausible
             ):
                 raise InputError(
-                    f"{one.record.name}: a time step of {one.record.time_step_s:g} s; expected at"
-                    f" most half of the wall's first period of {period_s:.3g} s, which its samples"
-                    " do not hold: look at the time column, give a finer record, or accept it:"
-                    f" {ACCEPT}"
+                    f"{motion.record.name}: a time step of {motion.record.time_step_s:g} s;"
+                    f" expected at most half of the wall's first period of {period_s:.3g} s, which"
+                    " its samples do not hold: look at the time column, give a finer record, or"
+                    f" accept it: {ACCEPT}"
                 )
         driven = {key: one.for_period(period_s) for key, one in motions.items()}
         return replace(

@@ -70,7 +70,7 @@ def openings_as_built(plan):
 
 def describe_openings(plan):
     """Lines on the openings of a Plan that are built otherwise than given."""
-    return [one.describe() for one in openings_as_built(plan) if one.differs]
+    return [difference.describe() for difference in openings_as_built(plan) if difference.differs]
 
 
 def warn_of_courses(plan):
@@ -83,7 +83,11 @@ def warn_of_courses(plan):
         for number, place in enumerate(plan.floors, start=1)
     ]
     whole = Part("wall", (0.0, wall.height), (0.0, wall.built_height))
-    far = [one.describe() for one in (whole, *openings_as_built(plan), *levels) if one.far(course)]
+    far = [
+        difference.describe()
+        for difference in (whole, *openings_as_built(plan), *levels)
+        if difference.far(course)
+    ]
     return (
         [
             f"whole courses of {course:.4g} m leave differences above {WARN_COURSE:g} of a course"
@@ -215,7 +219,7 @@ def describe_top(layout):
     of = layout.options
     bodies = layout.bodies
     wall = layout.wall
-    restraints = [one.describe(layout.top_mass) for one in wall.restraints]
+    restraints = [restraint.describe(layout.top_mass) for restraint in wall.restraints]
     if layout.top_mass == 0:
         return ["no mass on top: no precompression", *restraints]
     on_top = (bodies.course == CAP_COURSE) & (top_of(wall) is None)

@@ -140,10 +140,10 @@ def _message_of(error):
     """Message of an error in a wall file; for an unknown keyword also the known ones."""
     message = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
     found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
-    kind = found and next((one for one in _RECORDS if one.__name__ == found[1]), None)
+    kind = found and next((record for record in _RECORDS if record.__name__ == found[1]), None)
     if not kind:
         return message
-    names = [one.name for one in fields(kind)]
+    names = [attribute.name for attribute in fields(kind)]
     near = get_close_matches(found[2], names, n=1)
     if found[2] == "cohesion" and kind is Brick:
         return f"Brick(cohesion=...): {NO_COHESION}"
@@ -207,7 +207,7 @@ def _joint(table):
     """The table [joint] with the friction angle of a friction coefficient."""
     if not isinstance(table, dict):
         raise InputError("joint: expected a table [joint]; correct it")
-    _refuse_unknown("[joint]", table, [*(one.name for one in fields(Joint)), FRICTION])
+    _refuse_unknown("[joint]", table, [*(attribute.name for attribute in fields(Joint)), FRICTION])
     if FRICTION not in table:
         return table
     if "friction_angle" in table:
@@ -263,14 +263,16 @@ def user_record(what: str, kind: type, table: dict):
     missing."""
     if not isinstance(table, dict):
         raise InputError(f"{what} = {table!r}: expected a table of key = value lines; correct it")
-    names = [one.name for one in fields(kind)]
+    names = [attribute.name for attribute in fields(kind)]
     _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
     if isinstance(table.get("lintel"), dict):
         table = table | {"lintel": user_record(f"lintel of {what}", Lintel, table["lintel"])}
     missing = [
-        one.name
-        for one in fields(kind)
-        if one.default is MISSING and one.default_factory is MISSING and one.name not in table
+        attribute.name
+        for attribute in fields(kind)
+        if attribute.default is MISSING
+        and attribute.default_factory is MISSING
+        and attribute.name not in table
     ]
     if missing:
         raise InputError(f"{what} lacks {', '.join(missing)}: expected a value for each; give it")
@@ -326,11 +328,14 @@ def _object(kind, special, *more):
     """Schema of a record: as its fields say, but for what is special; more: keys of numbers besides
     its fields."""
     required = [
-        one.name
-        for one in fields(kind)
-        if one.default is MISSING and one.default_factory is MISSING
+        attribute.name
+        for attribute in fields(kind)
+        if attribute.default is MISSING and attribute.default_factory is MISSING
     ]
-    found = {one.name: special.get(one.name) or _schema_of(one.metadata) for one in fields(kind)}
+    found = {
+        attribute.name: special.get(attribute.name) or _schema_of(attribute.metadata)
+        for attribute in fields(kind)
+    }
     return {
         "type": "object",
         "additionalProperties": False,

@@ -564,7 +564,7 @@ def _with_restraints(plan, options, bodies, top_mass):
             mass,
             CAP_COURSE,
         )
-    for side in (one.side for one in wall.restraints if one.side != "top"):
+    for side in (restraint.side for restraint in wall.restraints if restraint.side != "top"):
         x = -THICK_M / 2 if side == "left" else wall.length + THICK_M / 2
         bodies = _joined(
             bodies, x, wall.built_height / 2, THICK_M, wall.built_height, 0.0, SIDE_COURSE

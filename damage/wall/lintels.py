@@ -254,7 +254,7 @@ def in_lintel(plan, lintel: str, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     brick = plan.wall.brick
     inside = np.zeros(len(x), dtype=bool)
     most = 0 if lintel == "none" else int(lintel) if lintel.isdigit() else len(plan.runs)
-    for place in (one for one in plan.openings if not one.lintel.is_body):
+    for place in (opening for opening in plan.openings if not opening.lintel.is_body):
         inside |= (
             (x > place.left - brick.length + TINY)
             & (x < place.right + brick.length - TINY)

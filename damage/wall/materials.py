@@ -245,5 +245,5 @@ def describe() -> str:
     lines.append("brick formats, length x thickness x height without mortar:")
     for name, brick in FORMATS.items():
         sizes_mm = (1e3 * size for size in (brick.length, brick.thickness, brick.height))
-        lines.append("{}: {:g} x {:g} x {:g} mm; {}".format(name, *sizes_mm, brick.source))
+        lines.append("{}: {:g} x {:g} x {:g} mm; ".format(name, *sizes_mm) + brick.source)
     return "\n".join([*lines, f"not here: {MISSING}"])

@@ -192,9 +192,11 @@ class ModelOptions:
 
     def _check_default(self, names, problem):
         """InputError where one of these options is given."""
-        for one in fields(self):
-            if one.name in names and getattr(self, one.name) != one.default:
-                raise InputError(f"{option_of(one)} = {getattr(self, one.name)!r} {problem}")
+        for attribute in fields(self):
+            if attribute.name in names and getattr(self, attribute.name) != attribute.default:
+                raise InputError(
+                    f"{option_of(attribute)} = {getattr(self, attribute.name)!r} {problem}"
+                )
 
     @property
     def draws(self):
@@ -209,9 +211,9 @@ class ModelOptions:
     def tags(self):
         """The differences of this model from the default in a file's name: a list of words."""
         return [
-            one.metadata["tag"].format(**asdict(self))
-            for one in fields(self)
-            if one.metadata["tag"] and getattr(self, one.name) != one.default
+            attribute.metadata["tag"].format(**asdict(self))
+            for attribute in fields(self)
+            if attribute.metadata["tag"] and getattr(self, attribute.name) != attribute.default
         ]
 
 
@@ -257,5 +259,9 @@ def _lintel_word(lintel):
     return str(int(lintel)) if int(lintel) else "none"
 
 
-USUAL_MODEL = {one.name: one.default for one in fields(ModelOptions) if not one.metadata["seed"]}
+USUAL_MODEL = {
+    attribute.name: attribute.default
+    for attribute in fields(ModelOptions)
+    if not attribute.metadata["seed"]
+}
 """{column: default} of the choices that distinguish models."""

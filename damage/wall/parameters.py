@@ -532,7 +532,7 @@ class Wall:
         return replace(
             self,
             lintel=Lintel(option if option in KINDS_OF_LINTELS else "courses"),
-            openings=tuple(replace(one, lintel=None) for one in self.openings),
+            openings=tuple(replace(opening, lintel=None) for opening in self.openings),
         )
 
     def as_dict(self) -> dict:
@@ -564,9 +564,11 @@ class Wall:
         parts = {"brick": record_from(Brick, brick)}
         parts["joint"] = record_from(Joint, table.get("joint", {}))
         parts["lintel"] = table.get("lintel", "courses" if table.get("openings") else "concrete")
-        openings = tuple(record_from(Opening, one) for one in table.get("openings", ()))
-        floors = tuple(record_from(Floor, one) for one in table.get("floors", ()))
-        restraints = tuple(record_from(Restraint, one) for one in table.get("restraints", ()))
+        openings = tuple(record_from(Opening, opening) for opening in table.get("openings", ()))
+        floors = tuple(record_from(Floor, floor) for floor in table.get("floors", ()))
+        restraints = tuple(
+            record_from(Restraint, restraint) for restraint in table.get("restraints", ())
+        )
         return record_from(
             cls, table | parts | {"openings": openings, "floors": floors, "restraints": restraints}
         )

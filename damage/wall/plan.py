@@ -169,9 +169,13 @@ def _opening_places(wall, floors):
     """The OpeningPlace of every opening, in their order; a slab on an opening is its lintel."""
     found = [
         OpeningPlace(
-            one.left, one.right, *wall.opening_courses(one), wall.courses, wall.lintel_of(one)
+            opening.left,
+            opening.right,
+            *wall.opening_courses(opening),
+            wall.courses,
+            wall.lintel_of(opening),
         )
-        for one in wall.openings
+        for opening in wall.openings
     ]
     others = [*found, *(place for place in floors if place.floor.is_body)]
     return tuple(

@@ -95,12 +95,12 @@ class Restraint:
 
 def top_of(wall):
     """The Restraint of a wall's top, None without one."""
-    return next((one for one in wall.restraints if one.side == "top"), None)
+    return next((restraint for restraint in wall.restraints if restraint.side == "top"), None)
 
 
 def check_restraints(wall):
     """Raise InputError for two restraints of a side, and for a top that cannot have one."""
-    sides = [one.side for one in wall.restraints]
+    sides = [restraint.side for restraint in wall.restraints]
     top = top_of(wall)
     for side in SIDES:
         if sides.count(side) > 1:

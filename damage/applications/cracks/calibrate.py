@@ -95,7 +95,7 @@ def rows_of(history):
 
 def joined(tables):
     """Rows of several tables as one.  Raises InputError where two have a specimen of one name."""
-    names = pd.Series([name for one in tables for name in one["specimen"].unique()])
+    names = pd.Series([name for table in tables for name in table["specimen"].unique()])
     for name in names[names.duplicated()][:1]:
         raise InputError(
             f"specimen {name} is in two files: expected a name for each; rename one, or its file"

@@ -119,7 +119,7 @@ def crack_paths(stretches, layout, tolerance=None):
         )
         first += len(drawn)
     empty = pd.DataFrame({"line": [0], "joint": [0], "stretch": [0], "across": [0.0]}).iloc[:0]
-    table = pd.concat([one for one in rows if len(one)] or [empty], ignore_index=True)
+    table = pd.concat([row for row in rows if len(row)] or [empty], ignore_index=True)
     table["length_m"] = network.length[table["joint"]]
     drawn_m = float(hypot(*(places[:, 1] - places[:, 0]).T).sum())
     return CrackPaths(

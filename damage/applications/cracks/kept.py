@@ -74,7 +74,9 @@ def patterns_of(history):
     used = ((opening != 0) | (offset != 0)).any(axis=0)
     moved = [nearest_snapshot(history, time_s) for time_s in series["time_s"].iloc[samples]]
     none = np.full(history.displacement.shape[1:], np.nan)
-    displacement = np.array([none if one is None else history.displacement[one] for one in moved])
+    displacement = np.array(
+        [none if point is None else history.displacement[point] for point in moved]
+    )
     return Patterns(
         np.array(list(rows), "i4"),
         active.joints[used].astype("i4"),

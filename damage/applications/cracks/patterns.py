@@ -103,7 +103,9 @@ class Places(NamedTuple):
         right."""
         x = self.extent[0] - self.x if mirrored else self.x
         across, up = map(_inside, (x, self.z), self.extent)
-        sums = [np.einsum("ap,bp,p->ab", across, up, one, optimize=True).ravel() for one in values]
+        sums = [
+            np.einsum("ap,bp,p->ab", across, up, value, optimize=True).ravel() for value in values
+        ]
         return np.array(sums)
 
     def fractions(self, flags: np.ndarray, mirrored: bool = False) -> np.ndarray:

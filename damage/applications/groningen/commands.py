@@ -481,16 +481,19 @@ def _lives(asked):
     if asked.only:
         return
     alone = {point: lives[1] for point, lives in largest_alone(parts).items()}
-    for one in parts:
-        if not one.draws.choices.largest_alone:
-            title = f"{one.point}: {len(one.last)} lives"
+    for part in parts:
+        if not part.draws.choices.largest_alone:
+            title = f"{part.point}: {len(part.last)} lives"
             save(
                 [
                     (
-                        f"life_{one.point}",
-                        life_picture(one.table, over_time(one), alone.get(one.point), title),
+                        f"life_{part.point}",
+                        life_picture(part.table, over_time(part), alone.get(part.point), title),
                     ),
-                    (f"life_{one.point}_events", contributions_picture(contributions(one), title)),
+                    (
+                        f"life_{part.point}_events",
+                        contributions_picture(contributions(part), title),
+                    ),
                 ],
                 folder,
                 title,

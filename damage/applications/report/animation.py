@@ -162,7 +162,7 @@ def _stage(history, snapshots, samples, magnify):
     style.add_title(figure, history, _pace(history, snapshots, magnify))
     style.legend_below(figure, joint_handles(gravest), columns=3)
     _fix(figure)
-    drawn = {one.get_label(): one for one in wall.collections}
+    drawn = {collection.get_label(): collection for collection in wall.collections}
 
     def show(sample, snapshot):
         shape = shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot)

@@ -69,7 +69,7 @@ def run_part(history, letter, language="en"):
 def _evidence(evidence):
     """{"line", "rows"} of the evidence for a run: in one line, and for each quantity name, value,
     range and whether it is inside."""
-    ranges = {one.name: one.range for one in QUANTITIES}
+    ranges = {quantity.name: quantity.range for quantity in QUANTITIES}
     return {
         "line": describe(evidence),
         "rows": [
@@ -218,7 +218,9 @@ def _moving_wall(history, chosen):
         [still if snapshot is None else history.displacement[snapshot] for snapshot in near]
     )
     supports = [support_motion(history, snapshot) for snapshot in near]
-    places, step = quantised(np.concatenate([motion, [one.motion for one in supports]], axis=1))
+    places, step = quantised(
+        np.concatenate([motion, [support.motion for support in supports]], axis=1)
+    )
     joints = history.joints.iloc[ever]
     bodies = history.bodies
     ends = tributary_ends(history.joints)

@@ -329,8 +329,8 @@ def _entries(table, path, root):
         for number, entry in enumerate(tables, start=1):
             where = f"{path}, {what} {number}"
             _check_keys(entry, {*ENTRY_KEYS, *(GRID_KEYS if kind == "grid" else ())}, where)
-            for one in _points(entry, where, path.parent, root) if kind == "grid" else [entry]:
-                yield one, where
+            for point in _points(entry, where, path.parent, root) if kind == "grid" else [entry]:
+                yield point, where
 
 
 def _points(grid, where, folder, root):

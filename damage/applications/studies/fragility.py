@@ -395,7 +395,7 @@ def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=
         solve(values, *_drawn(counts, sizes, random)[::-1])
         for _ in range(replicates if min(sizes) > 1 else 0)
     ]
-    samples = np.array([_SIDES[one.side] if one.why else one[:2] for one in fits]).reshape(-1, 2)
+    samples = np.array([_SIDES[fit.side] if fit.why else fit[:2] for fit in fits]).reshape(-1, 2)
     n, y = counts.sum(axis=(1, 2))
     median, dispersion, why, _ = solve(values, y, n)
     return Fragility(

@@ -55,14 +55,14 @@ def fragility_picture(wall, runs, fits, intensity=None):
     """Panels by measure, a curve a damage state; runs: the rows of this wall; fits: its list of
     Fragility."""
     intensity = intensity or leading(runs)
-    measures = list(dict.fromkeys(one.measure for one in fits))
+    measures = list(dict.fromkeys(fit.measure for fit in fits))
     columns = min(len(measures), _MOST_PANELS)
     figure, axes = grid(-(-len(measures) // columns), columns, 2.5)
     for ax in axes.flat[len(measures) :]:
         ax.set_axis_off()
     x = np.linspace(0.005, 1.08, 120) * runs[intensity].max()
     drawn = [
-        _panel(ax, number, x, runs, [one for one in fits if one.measure == measure], intensity)
+        _panel(ax, number, x, runs, [fit for fit in fits if fit.measure == measure], intensity)
         for number, (ax, measure) in enumerate(zip(axes.flat, measures))
     ]
     axes[0, 0].set_ylabel("probability of exceeding")

@@ -107,28 +107,32 @@ def differences(note, inputs):
 
 def _fields(record):
     """The fields of a record that are inputs."""
-    return [one for one in fields(record) if one.name not in NO_INPUT.get(type(record), ())]
+    return [
+        attribute
+        for attribute in fields(record)
+        if attribute.name not in NO_INPUT.get(type(record), ())
+    ]
 
 
 def _plain(value):
     """A value as JSON has it: a record is a table with its kind."""
     if is_dataclass(value):
         return {"kind": type(value).__name__} | {
-            one.name: _plain(getattr(value, one.name)) for one in _fields(value)
+            field.name: _plain(getattr(value, field.name)) for field in _fields(value)
         }
     return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
 
 
 def _differing(then, now, name):
     if is_dataclass(now) and isinstance(then, dict) and then.get("kind") == type(now).__name__:
-        for one in _fields(now):
-            value = getattr(now, one.name)
-            place = f"{name}.{one.name}".lstrip(".")
-            if one.name in then:
-                yield from _differing(then[one.name], value, place)
-            elif value != _default(one):
+        for field in _fields(now):
+            value = getattr(now, field.name)
+            place = f"{name}.{field.name}".lstrip(".")
+            if field.name in then:
+                yield from _differing(then[field.name], value, place)
+            elif value != _default(field):
                 yield f"{place} {_word(value)}, which was not there"
-        others = then.keys() - {"kind", *(one.name for one in fields(now))}
+        others = then.keys() - {"kind", *(attribute.name for attribute in fields(now))}
         yield from _of_other_versions({other: then[other] for other in sorted(others)}, name)
     elif isinstance(now, (list, tuple)) and isinstance(then, list) and len(then) == len(now):
         for number, pair in enumerate(zip(then, now)):

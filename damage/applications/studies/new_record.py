@@ -67,7 +67,7 @@ class NewRecord:
         intensities (n,)."""
         curves, weights = self.curves(intensity)
         low, high = TAILS
-        return np.array([_percentiles(one, weights, (low, 0.5, high)) for one in curves]).T
+        return np.array([_percentiles(curve, weights, (low, 0.5, high)) for curve in curves]).T
 
     def bounds(self, intensity):
         """Lower and upper bound (2, n) of the new record's own probability at intensities (n,)."""

@@ -85,9 +85,9 @@ class Results:
             verdict.inputs[run] = key_of(content), content
             differing = list(
                 dict.fromkeys(
-                    one
+                    change
                     for key in {self._key(name) for name in names}
-                    for one in self.changes(inputs, key)
+                    for change in self.changes(inputs, key)
                 )
             )
             if differing:

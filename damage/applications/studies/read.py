@@ -14,7 +14,9 @@ from damage.wall.model_options import ModelOptions
 
 MOST_MB = 500
 """Largest size of a table that is read: about 100 000 runs."""
-WORDS = {one.name: str for one in fields(ModelOptions) if isinstance(one.default, str)}
+WORDS = {
+    attribute.name: str for attribute in fields(ModelOptions) if isinstance(attribute.default, str)
+}
 """{column: str} of the columns that are text even where they look like numbers, as a lintel of "2"
 courses."""
 

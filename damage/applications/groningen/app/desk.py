@@ -216,7 +216,7 @@ class Desk:
             )
         to_wall = homography(pixels, places)
         _compare_openings(
-            layout.plan, [_points("an opening", one, 2, 2) for one in openings], to_wall
+            layout.plan, [_points("an opening", opening, 2, 2) for opening in openings], to_wall
         )
         jpeg = self._given(PHOTO, "the photograph").read_bytes()
         write_bytes(
@@ -447,7 +447,7 @@ def _drawn(layout, text):
         "brick": wall.brick.length,
         "outline": _edges(wall).tolist(),
         "openings": np.round(_openings(layout.plan), 4).tolist(),
-        "floors": sorted({float(one.above * wall.brick.height) for one in layout.plan.floors}),
+        "floors": sorted({float(floor.above * wall.brick.height) for floor in layout.plan.floors}),
         "contact_points": layout.n_joints,
         "outside": {language: outside_at_rest(layout, language) for language in LANGUAGES},
     }
@@ -461,7 +461,10 @@ def _view(layout):
 def _openings(plan):
     """Openings of a Plan as built, (n, 4) of left, lower, right and upper edge [m]."""
     course = plan.wall.brick.height
-    found = [(one.left, course * one.first, one.right, course * one.above) for one in plan.openings]
+    found = [
+        (opening.left, course * opening.first, opening.right, course * opening.above)
+        for opening in plan.openings
+    ]
     return np.array(found, float).reshape(-1, 4)
 
 
@@ -582,5 +585,5 @@ def _as_csv(cracks, areas, limit_mm, error_mm):
 
 def words():
     """{key: {language: text}} of the page, with those that it shares with the sheet."""
-    shared = "one_percent", "catalogue_ends", *(f"profile_{one}" for one in PROFILES)
+    shared = "one_percent", "catalogue_ends", *(f"profile_{profile}" for profile in PROFILES)
     return all_words("app") | {key: all_words()[key] for key in shared}

@@ -54,7 +54,9 @@ _CASES = {
 def worlds_of(width_m, prior, likeness=None):
     """The Worlds of widths {of the states of Twins: (n,) [m]} by a prior; likeness: (2, n) weights
     of the second table, None for the first."""
-    width = {case: np.array([width_m[one] for one in states]) for case, states in _CASES.items()}
+    width = {
+        case: np.array([width_m[state] for state in states]) for case, states in _CASES.items()
+    }
     weight = np.array([[prior], [1 - prior]]) * (
         np.ones_like(width["now"]) if likeness is None else likeness
     )
@@ -129,12 +131,12 @@ def quantiles(values, weight, shares=RANGE):
     order = np.argsort(values, kind="stable")
     sums = np.cumsum(weight[order])
     places = np.searchsorted(sums, np.array(shares) * sums[-1])
-    return [float(one) for one in values[order][np.minimum(places, len(order) - 1)]]
+    return [float(value) for value in values[order][np.minimum(places, len(order) - 1)]]
 
 
 def verdict(tables):
     """{of BUT_FOR: `said`} of {prior: `table`}."""
-    return {name: said([one[name] for one in tables.values()]) for name in BUT_FOR}
+    return {name: said([table[name] for table in tables.values()]) for name in BUT_FOR}
 
 
 def said(shares):
@@ -199,7 +201,11 @@ def _of_crack(width_m, case, likeness, answered):
         "said": said(shares.values()) if answered else "open",
         "shares": shares,
         "width_mm": middle
-        and [min(one[0] for one in ranges), middle[1], max(one[2] for one in ranges)],
+        and [
+            min(interval[0] for interval in ranges),
+            middle[1],
+            max(interval[2] for interval in ranges),
+        ],
     }
 
 

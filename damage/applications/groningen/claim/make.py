@@ -136,7 +136,7 @@ def make_claim(claim, out, jobs, remake=False):
 def steps_to(draws):
     """Numbers of draws after which there is a sheet: STEPS; where a number of draws is asked for,
     those of STEPS up to half of it, then that number."""
-    return (*(one for one in STEPS if one <= draws / 2), draws) if draws else STEPS
+    return (*(step for step in STEPS if step <= draws / 2), draws) if draws else STEPS
 
 
 def _draw(study, out, jobs, remake, lock):

@@ -132,7 +132,7 @@ def enough(numbers, most):
 
 def lacks_draws(numbers):
     """Whether the number of draws is all that forbids an answer."""
-    return [one["why"] for one in numbers["no_answer"]] == ["draws"]
+    return [entry["why"] for entry in numbers["no_answer"]] == ["draws"]
 
 
 def draws_needed(numbers):

@@ -156,7 +156,7 @@ def _beyond(value, limit, shown):
 
 def _helps(numbers):
     """Codes of what would give an answer where a question is open."""
-    open_why = {one["why"] for one in numbers["no_answer"]}
+    open_why = {entry["why"] for entry in numbers["no_answer"]}
     if not open_why and "open" not in numbers["verdict"].values():
         return []
     survey = numbers["survey"]
@@ -174,9 +174,9 @@ def _answer(numbers, say, shown):
     found = []
     for name in BUT_FOR:
         shares = [
-            100 * one[name]["share"]
-            for one in numbers["like_survey"].values()
-            if one[name]["share"] is not None
+            100 * entry[name]["share"]
+            for entry in numbers["like_survey"].values()
+            if entry[name]["share"] is not None
         ]
         ranges = (
             "-".join(str(one) for one in sorted({round(min(shares)), round(max(shares))}))
@@ -185,9 +185,9 @@ def _answer(numbers, say, shown):
         )
         found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
     added = [
-        one["like_survey"]["added"]
-        for one in numbers["crack_width_mm"].values()
-        if one["like_survey"]["added"]
+        entry["like_survey"]["added"]
+        for entry in numbers["crack_width_mm"].values()
+        if entry["like_survey"]["added"]
     ]
     if added:
         least, most = (
@@ -268,8 +268,8 @@ def outside_at_rest(wall, language):
     shakes it."""
     given = {"loading": {"kind": "none"}, "pier_stress_pa": wall.pier_stress}
     evidence = evidence_for(wall.wall, given)
-    for one in evidence.values():
-        one["outside_share"] = float(one["inside"] is False)
+    for quantity in evidence.values():
+        quantity["outside_share"] = float(quantity["inside"] is False)
     return _evidence(evidence, language)
 
 
@@ -287,7 +287,7 @@ def _evidence(evidence, language):
         for name, one in evidence.items()
         if (share := one["outside_share"]) > 0
     ]
-    known = sum(one["inside"] is not None for one in evidence.values())
+    known = sum(quantity["inside"] is not None for quantity in evidence.values())
     return (
         say("outside", found=len(outside), known=known, names=", ".join(outside))
         if outside
@@ -318,19 +318,19 @@ def _pictures(numbers, wall, survey, twins, say, shown):
                 "#b00",
                 say("survey"),
                 [
-                    (f"{one['crack']} {shown(one['width_mm'])} mm", *one["from_m"])
-                    for one in numbers["cracks"]
+                    (f"{crack['crack']} {shown(crack['width_mm'])} mm", *crack["from_m"])
+                    for crack in numbers["cracks"]
                 ],
             ),
             f"{say('survey')}: {caption}",
         )
     ]
-    for one in numbers["nearest"]:
-        k = int(np.flatnonzero(twins.numbers == one["life"])[0])
-        width = np.hypot(twins.opening_m[one["state"]][k], twins.offset_m[one["state"]][k])
+    for life in numbers["nearest"]:
+        k = int(np.flatnonzero(twins.numbers == life["life"])[0])
+        width = np.hypot(twins.opening_m[life["state"]][k], twins.offset_m[life["state"]][k])
         seen = cracked(width, survey.detection_limit_m)
-        key = "nearest" if one["distance"] <= numbers["farthest"] else "nearest_unlike"
-        text = say(key, cause=say(f"cause_{one['state']}"), distance=shown(one["distance"]))
+        key = "nearest" if life["distance"] <= numbers["farthest"] else "nearest_unlike"
+        text = say(key, cause=say(f"cause_{life['state']}"), distance=shown(life["distance"]))
         widest = np.argmax(width)
         label = f"{shown(width[widest] / MILLIMETRE)} mm", *twins.ends[widest][0]
         labels = [label] if seen.any() else []

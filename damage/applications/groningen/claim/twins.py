@@ -163,7 +163,7 @@ def read_twins(folder, layout):
         for point, of in done.items()
     }
     whole = {
-        name: np.array([one.at(moment, layout.n_joints) for one in patterns[point]], "f4")
+        name: np.array([pattern.at(moment, layout.n_joints) for pattern in patterns[point]], "f4")
         for name, (point, moment) in STATES.items()
     }
     draws = {point: read_address(folder / f"{point}.address.toml") for point in done}

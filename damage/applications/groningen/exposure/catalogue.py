@@ -335,21 +335,21 @@ def _one_by_one(events):
     tuples."""
     kept = []
     pairs = []
-    for one in events.itertuples():
+    for event in events.itertuples():
         for place in reversed(range(len(kept))):
             other = kept[place]
-            seconds = (one.time - other.time).total_seconds()
-            km = float(hypot(one.x_m - other.x_m, one.y_m - other.y_m)) / 1e3
-            most_s, most_km = ONE_EVENT[one.agency != other.agency]
+            seconds = (event.time - other.time).total_seconds()
+            km = float(hypot(event.x_m - other.x_m, event.y_m - other.y_m)) / 1e3
+            most_s, most_km = ONE_EVENT[event.agency != other.agency]
             if seconds <= most_s and km <= most_km:
-                kept[place], goes = (one, other) if one.rank > other.rank else (other, one)
+                kept[place], goes = (event, other) if event.rank > other.rank else (other, event)
                 pairs.append((kept[place], goes, seconds, km))
                 break
             if seconds > ONE_EVENT[True][0]:
-                kept.append(one)
+                kept.append(event)
                 break
         else:
-            kept.append(one)
+            kept.append(event)
     return [one.Index for one in sorted(kept, key=lambda one: one.time)], pairs
 
 

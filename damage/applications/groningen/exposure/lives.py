@@ -139,8 +139,8 @@ def _pair(name, value, least, most):
             f"{name} = {value!r}: expected two numbers from {least:g} to {most:g}, as"
             f" {name} = [0.001, 0.002]; correct it"
         )
-    for one in pair:
-        check_range(name, one, least, most)
+    for component in pair:
+        check_range(name, component, least, most)
     return tuple(map(float, pair))
 
 

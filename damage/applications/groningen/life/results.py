@@ -216,8 +216,8 @@ def together(parts):
     """Lives of equal points counted together, each life once; a list in the order of the first of
     each, without points that have none."""
     found = {}
-    for one in parts:
-        found.setdefault(one.point, []).append(one)
+    for part in parts:
+        found.setdefault(part.point, []).append(part)
     lives = []
     for several in found.values():
         tables = [one.table for one in several if len(one.table)]
@@ -313,19 +313,19 @@ def describe(parts):
     """Text: what became of the lives."""
     lines = []
     pairs = largest_alone(parts)
-    for one in parts:
-        last = one.last
-        population = one.population()
-        events = one.table[one.table["event"] > 0].groupby(["seed", "life"]).size()
+    for part in parts:
+        last = part.last
+        population = part.population()
+        events = part.table[part.table["event"] > 0].groupby(["seed", "life"]).size()
         lines += [
             (
-                f"{one.point}: {len(last)} lives, {one.years[0]} to {one.years[1]},"
+                f"{part.point}: {len(last)} lives, {part.years[0]} to {part.years[1]},"
                 f" {events.median():g} events in the median life ({events.min()} to"
                 f" {events.max()}), median of the largest PGV {last['largest_mm_s'].median():.1f}"
                 " mm/s"
             ),
-            *(f"  warning: {warning}" for warning in one.draws.exposure.warnings),
-            *_of_the_settlement(one.table),
+            *(f"  warning: {warning}" for warning in part.draws.exposure.warnings),
+            *_of_the_settlement(part.table),
             (
                 f"  at the end: median Psi {last['psi'].median():.2f}, median DI"
                 f" {last['DI'].median():.4f}, median of the largest Psi"
@@ -339,8 +339,8 @@ def describe(parts):
                 f"  P(Psi >= {level:g}) {OUTCOMES[name]} = {found.p:.3f}, 95 % interval {low:.3f}"
                 f" to {high:.3f}; for +-0.03: {found.lives_for(0.03)} lives"
             )
-        if one.point in pairs:
-            first, second = pairs[one.point]
+        if part.point in pairs:
+            first, second = pairs[part.point]
             damaged = (first["psi"] > 0) & np.isfinite(first["psi"])
             if damaged.any():
                 share = second.loc[damaged, "psi"] / first.loc[damaged, "psi"]
@@ -372,7 +372,7 @@ def write_lives(parts, folder):
     """
     folder = Path(folder)
     tables = {
-        "lives.csv": pd.concat([one.table for one in parts]),
+        "lives.csv": pd.concat([part.table for part in parts]),
         "life.csv": pd.concat(map(over_time, parts)),
         "contributions.csv": pd.concat(map(contributions, parts)),
     }
