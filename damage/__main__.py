@@ -139,9 +139,9 @@ def command_parser(whole=False):
         title="commands", required=True, metavar="COMMAND", parser_class=OneLineParser
     )
     run = {"reference": [make_parser("reference", "reference")]} if whole else {}
-    for name, found in PROGRAMS.items():
+    for name, command in PROGRAMS.items():
         commands.add_parser(
-            name, help=found.purpose, parents=run.get(name, []), conflict_handler="resolve"
+            name, help=command.purpose, parents=run.get(name, []), conflict_handler="resolve"
         )
     commands.add_parser("help", help=HELP)
     add_commands(commands, COMMANDS)
@@ -150,16 +150,16 @@ def command_parser(whole=False):
 
 def add_commands(commands, table):
     """Add a parser for each command of a table to the subparsers of a program."""
-    for name, found in table.items():
+    for name, entry in table.items():
         command = commands.add_parser(
             name,
-            help=found.purpose,
-            description=found.purpose,
+            help=entry.purpose,
+            description=entry.purpose,
             allow_abbrev=False,
             examples=examples_of(name, table),
         )
-        command.set_defaults(command=found.function)
-        for add in found.arguments:
+        command.set_defaults(command=entry.function)
+        for add in entry.arguments:
             add(command)
 
 

@@ -35,13 +35,13 @@ class Draws:
 
     def below(self, number, n):
         """Whole numbers (n,) from 0 to number - 1, of a number up to 2**32."""
-        found = np.zeros(n if number == 1 else 0, np.uint64)
-        while len(found) < n:
-            product = self._of_32_bits(n - len(found)) * np.uint64(number)
-            found = np.append(
-                found, product[product & _LOW >= np.uint64((2**32 - number) % number)] >> _HALF
+        numbers = np.zeros(n if number == 1 else 0, np.uint64)
+        while len(numbers) < n:
+            product = self._of_32_bits(n - len(numbers)) * np.uint64(number)
+            numbers = np.append(
+                numbers, product[product & _LOW >= np.uint64((2**32 - number) % number)] >> _HALF
             )
-        return found.astype(np.int64)
+        return numbers.astype(np.int64)
 
     def normal(self, n):
         """Numbers (n,) of mean 0 and standard deviation 1."""

@@ -52,12 +52,12 @@ def commit():
     try:
         # an installed copy may lie in another repository
         git("ls-files", "--error-unmatch", "__init__.py")
-        found = git("rev-parse", "HEAD").strip()
+        commit_id = git("rev-parse", "HEAD").strip()
         # `describe --dirty` would write the index, and leave a lock where it may not.
         changed = git("status", "--porcelain", "--untracked-files=no", ":/")
     except (OSError, subprocess.SubprocessError):
         return UNKNOWN
-    return f"{found} changed" if changed else found
+    return f"{commit_id} changed" if changed else commit_id
 
 
 def versions(solver_folder):
@@ -129,14 +129,14 @@ def _digest_of(paths):
 
 def _modules(places):
     """Paths of the modules of folders, and single modules, of this package, a list in one order."""
-    found = set()
+    modules = set()
     for place in places:
         if place == "*":
-            found |= {path for path in HERE.glob("*.py") if path.name not in _WITHOUT_EFFECT}
+            modules |= {path for path in HERE.glob("*.py") if path.name not in _WITHOUT_EFFECT}
         else:
             path = HERE / place
-            found |= set(path.rglob("*.py")) if path.is_dir() else {path}
-    return sorted(found, key=lambda path: path.relative_to(HERE).parts)
+            modules |= set(path.rglob("*.py")) if path.is_dir() else {path}
+    return sorted(modules, key=lambda path: path.relative_to(HERE).parts)
 
 
 def code_of(path):

@@ -307,8 +307,8 @@ class YadeWall:
     def regain(self):
         """Give YADE's contact of a tip that was out of reach and touches its face again the
         stiffnesses and friction of the one before."""
-        found = [joint for joint in self.gone if self.bonds[joint].isReal]
-        for joint in found:
+        again = [joint for joint in self.gone if self.bonds[joint].isReal]
+        for joint in again:
             contact = self.bonds[joint]
             old = self.physics[joint]
             contact.phys.kn = old.kn
@@ -316,7 +316,7 @@ class YadeWall:
             contact.phys.tangensOfFrictionAngle = old.tangensOfFrictionAngle
             self._put(joint, contact)
             self.work.renew(joint, contact)
-        self.gone.difference_update(found)
+        self.gone.difference_update(again)
 
     def collisions(self):
         """YADE's interactions between loose bricks, also those that only begin or are over."""

@@ -192,15 +192,15 @@ class Properties(NamedTuple):
         """{name: how many bonds or bricks} that differ from earlier Properties, but for what steps
         since then may have changed; by_law: as of `bonds_by_law`."""
         stepped = self.step != before.step
-        found = {}
+        counts = {}
         for name, values in self.of_bonds.items():
             earlier = before.of_bonds[name]
             differ = (values != earlier) & ~np.isnan(values) & ~np.isnan(earlier)
             if stepped:
                 differ[: len(by_law)] &= ~by_law
-            found[f"{name} of bonds"] = differ
-        found["masses of bricks"] = self.masses != before.masses
-        return {name: int(differ.sum()) for name, differ in found.items() if differ.any()}
+            counts[f"{name} of bonds"] = differ
+        counts["masses of bricks"] = self.masses != before.masses
+        return {name: int(differ.sum()) for name, differ in counts.items() if differ.any()}
 
 
 class _AtRest:

@@ -50,7 +50,7 @@ class SpaceReader(SceneReader):
         other."""
         along, up, _ = np.transpose(displacement)
         axis = self.push_axis
-        found = []
+        forces = []
         about = axis.cross(Vector3(0, 0, 1))
         places = starmap(Vector3, self._of_ground(self.ground_at + along, up).tolist())
         for members, at in zip(self.model.ground, places):
@@ -60,8 +60,8 @@ class SpaceReader(SceneReader):
                 on_it = O.forces.f(member, True)
                 force += on_it
                 moment += (O.bodies[member].state.pos - at).cross(on_it) + O.forces.t(member, True)
-            found.append([force.dot(axis), force[2], moment.dot(about)])
-        return np.array(found)
+            forces.append([force.dot(axis), force[2], moment.dot(about)])
+        return np.array(forces)
 
     def _now(self):
         """Centres (n_bodies, 3) [m] and rotations of all bodies since the wall was built."""
@@ -125,8 +125,8 @@ class SpaceReader(SceneReader):
     def resultants(self):
         """Forces and moments of the contacts on each body, (n_bodies, 6) along x, y and z of the
         house [N, N m]."""
-        found = np.zeros((len(self.states), 6))
-        for row, members, state in zip(found, self.members, self.states):
+        forces = np.zeros((len(self.states), 6))
+        for row, members, state in zip(forces, self.members, self.states):
             force = Vector3.Zero
             moment = Vector3.Zero
             for member in members:
@@ -135,8 +135,8 @@ class SpaceReader(SceneReader):
                 moment += (O.bodies[member].state.pos - state.pos).cross(on_it)
                 moment += O.forces.t(member, True)
             row[:] = (*force, *moment)
-        found[:, :2] += self.on_top[:, :1] * self._heading
-        return found
+        forces[:, :2] += self.on_top[:, :1] * self._heading
+        return forces
 
     def out_of_plane(self, motion):
         return motion[:, 3:]

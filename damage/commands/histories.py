@@ -77,8 +77,8 @@ def _index(asked):
 def _check(asked):
     checked = [check(path) for path in asked.histories]
     show(asked, checked, describe_check)
-    found = {file["worth"] for file in checked}
-    return 2 if DAMAGED in found else int(not found <= {WHOLE})
+    worths = {file["worth"] for file in checked}
+    return 2 if DAMAGED in worths else int(not worths <= {WHOLE})
 
 
 @command(

@@ -56,8 +56,8 @@ def program(purpose):
 
 def extend(name, *arguments):
     """Add arguments to a command of another application."""
-    found = COMMANDS[name]
-    COMMANDS[name] = found._replace(arguments=(*found.arguments, *arguments))
+    command = COMMANDS[name]
+    COMMANDS[name] = command._replace(arguments=(*command.arguments, *arguments))
 
 
 def tables(function):
@@ -71,10 +71,10 @@ def all_tables():
     Column}}."""
     from damage.measure.dictionary import TABLES
 
-    found = dict(TABLES)
+    tables = dict(TABLES)
     for function in DICTIONARY:
-        found |= function()
-    return found
+        tables |= function()
+    return tables
 
 
 def _name_of(function):
@@ -127,12 +127,12 @@ def threshold(of):
     return _limit("--threshold-mm", 0.1, 1000, "MM", f"of {of} (default 0.1)")
 
 
-def show(asked, found, describe):
+def show(asked, table, describe):
     """Print what a command found, as JSON where that was asked for; describe(found): text."""
     print(
-        json_text(found, indent=2)
+        json_text(table, indent=2)
         if asked.json
-        else "\n".join(map(one_line, describe(found).split("\n")))
+        else "\n".join(map(one_line, describe(table).split("\n")))
     )
 
 

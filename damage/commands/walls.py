@@ -165,19 +165,19 @@ def _check_bits(asked):
         )
     if not is_cached():
         print(COMPILING, flush=True)
-    found = {}
+    digests = {}
     known = bits.published()
     for name in asked.runs or [
         name for name, case in bits.CASES.items() if asked.long or not case.is_long
     ]:
         one = bits.digests([name])
-        found |= one
+        digests |= one
         different = bits.differing(one, known).get(name, [])
         print(
             f"{name}: {'differs in ' + ', '.join(different) if different else 'equal'}", flush=True
         )
-    print(bits.verdict(found, known))
-    return int(bool(bits.differing(found, known)))
+    print(bits.verdict(digests, known))
+    return int(bool(bits.differing(digests, known)))
 
 
 @command(
@@ -237,13 +237,14 @@ def _record(asked):
     loading = recorded(asked)
     if asked.period is not None:
         loading = loading.for_period(asked.period)
-    found = intensity.motion_summary(loading, asked.period)
+    measures = intensity.motion_summary(loading, asked.period)
     warn(
         *implausible_motion(loading),
         *filter(
-            None, (implausible_peak(found["pga_g"]), implausible_velocity(found["pgv_cm_s"] / 100))
+            None,
+            (implausible_peak(measures["pga_g"]), implausible_velocity(measures["pgv_cm_s"] / 100)),
         ),
-        *faint_warnings(found["pga_g"]),
+        *faint_warnings(measures["pga_g"]),
         *record_warnings(loading),
         *intensity.end_warnings(loading.applied()),
         *intensity.drift_warnings(loading),
@@ -254,6 +255,6 @@ def _record(asked):
 
         if asked.plot.suffix.lower() != ".png":
             raise InputError(f"--plot {asked.plot}: expected a name that ends in .png; give it one")
-        path = save_picture(motion_picture(loading, found), asked.plot, f"motion {loading.name}")
+        path = save_picture(motion_picture(loading, measures), asked.plot, f"motion {loading.name}")
         print(f"picture: {path}", file=sys.stderr)  # stdout may be JSON
-    show(asked, found, intensity.describe)
+    show(asked, measures, intensity.describe)

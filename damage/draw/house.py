@@ -75,7 +75,7 @@ def corner_cracks(space, number, sample, snapshot, magnify):
     wall: one of each pair of bricks and kind, in the gravest state of its points."""
     history = space.history
     placing = space.history.placing
-    found = []
+    cracks = []
     codes = joint_states(history, sample)
     width = widths(history, sample)
     pairs = [
@@ -90,10 +90,10 @@ def corner_cracks(space, number, sample, snapshot, magnify):
         points = joints[rows]
         along = places[rows, 2 if kind == "head" else 0]
         ends[:, 2 if kind == "head" else 0] = along.min(), along.max()
-        found.append((ends, codes[points].max(), width[points].max(), (first, second)))
-    if not found:
+        cracks.append((ends, codes[points].max(), width[points].max(), (first, second)))
+    if not cracks:
         return np.zeros((0, 2, 3)), np.zeros(0, int), np.zeros(0), np.zeros((0, 2), int)
-    ends, codes, width, bodies = map(np.array, zip(*found))
+    ends, codes, width, bodies = map(np.array, zip(*cracks))
     ends = placing.in_house(np.full(len(ends), number), ends)
     ends = sum(space.moved(body, ends, snapshot, magnify) for body in bodies.T) / 2
     return ends, codes, width, bodies

@@ -60,8 +60,8 @@ def house_preview(layout):
         slabs = slabs[[wall.name in one.walls for one in concrete]]
         slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
         tables[0] = pd.concat([tables[0], slabs])
-        found, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
-        handles |= {handle.get_label(): handle for handle in found}
+        labels, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
+        handles |= {handle.get_label(): handle for handle in labels}
         ax.set_title(wall.name, loc="left", fontsize="medium")
         ax.label_outer()
     title = f"house {house.name}: {len(bodies)} bodies, {n} contact points, "
@@ -87,16 +87,16 @@ def _draw_plan(ax, house):
     corners = np.array([wall.corners for wall in house.walls])
     low = corners.min(axis=(0, 1))
     high = corners.max(axis=(0, 1))
-    found = {}
+    handles = {}
     for floor in house.floors:
-        found |= _draw_floor(ax, house, floor)
+        handles |= _draw_floor(ax, house, floor)
     style.add_bodies(ax, corners, style.CAP_COLOUR, style.DARK)
     for placed in house.walls:
         _draw_wall(ax, placed)
     for ties in house.ties:
-        found |= _draw_ties(ax, house, ties)
+        handles |= _draw_ties(ax, house, ties)
     for corner in house.corners:
-        found |= _draw_corner(ax, house, corner)
+        handles |= _draw_corner(ax, house, corner)
     turn = np.radians(house.heading)
     middle = (low + high) / 2
     way = 0.15 * np.ptp(corners[..., 0]) * np.array([np.cos(turn), np.sin(turn)])
@@ -112,7 +112,7 @@ def _draw_plan(ax, house):
         title=f"plan at {SECTION_M:g} m",
     )
     ax.title.set(fontsize="medium", ha="left", x=0.0)
-    return found
+    return handles
 
 
 def _draw_floor(ax, house, floor):

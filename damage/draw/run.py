@@ -302,7 +302,7 @@ def _draw_thrust(ax, history, moment):
     """Draw the thrust lines of the parts, broken where a section is under tension, or the thrust
     outside of it."""
     table = sections_table(history, [moment]).set_index(["part", "place_m"])
-    found = {}
+    thrust_lines = {}
     for part, left, right, is_bed, across, _ in sections(history):
         row = table.loc[part, across]
         inside = abs(row["eccentricity_m"]) <= row["length_m"] / 2
@@ -311,8 +311,8 @@ def _draw_thrust(ax, history, moment):
         middle, along = (middle, along) if is_bed else (middle[::-1], along[::-1])
         third = KERN * row["length_m"] * along
         thrust = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) if inside else np.full(2, np.nan)
-        found.setdefault(part, []).append((thrust, middle - third, middle + third))
-    for lines in found.values():
+        thrust_lines.setdefault(part, []).append((thrust, middle - third, middle + third))
+    for lines in thrust_lines.values():
         thrust, lower, upper = np.moveaxis(np.array(lines), 1, 0)
         ax.plot(*thrust.T, color=style.BLACK, lw=0.9, marker=".", ms=2)
         for edge in (lower, upper):
@@ -646,11 +646,11 @@ def pictures_beside(history: History) -> dict[str, Callable]:
     """{file name without suffix: function that draws it} of what only some Histories have: the heap
     where bricks were followed beyond the collapse, stresses where bricks are deformable, the events
     where there are several, forces at rest and at the maximum index where the run kept stresses."""
-    found = {"heap": heap_picture} if has_heap(history) else {}
-    found |= {"stress_max": stress_picture} if has_stresses(history) else {}
-    found |= {"sequence": sequence_picture} if has_sequence(history) else {}
+    pictures = {"heap": heap_picture} if has_heap(history) else {}
+    pictures |= {"stress_max": stress_picture} if has_stresses(history) else {}
+    pictures |= {"sequence": sequence_picture} if has_sequence(history) else {}
     moments = () if history.joint_stress_pa is None else ("rest", "max")
-    return found | {
+    return pictures | {
         f"contact_forces_{moment}": partial(contact_force_picture, moment=moment)
         for moment in moments
     }

@@ -221,13 +221,13 @@ def mark_times(history, axes):
 def shade_settling(ax, series):
     """Shade the settlement and settling stages of a table with columns time_s and stage; returns
     the handles."""
-    found = []
+    spans = []
     for name, colour in (("settling", LIGHT), ("settlement", SAND)):
-        found += [
+        spans += [
             ax.axvspan(*span, color=colour, lw=0, zorder=0, label=name)
             for span in spans_of(series["time_s"].to_numpy(), (series["stage"] == name).to_numpy())
         ]
-    return found
+    return spans
 
 
 TINY_DRIFT = 1e-5

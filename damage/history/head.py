@@ -93,13 +93,13 @@ def read_head(path):
             f"{path} has schema version {int(version[1])}, this software reads {SCHEMA_VERSION};"
             f" {remedy}"
         )
-    found = _LINES.fullmatch(block.decode("ascii", errors="replace"))
-    if not found or len(block) < HEAD_BYTES:
+    match = _LINES.fullmatch(block.decode("ascii", errors="replace"))
+    if not match or len(block) < HEAD_BYTES:
         what = "its first 512 bytes are damaged" if version else "it begins otherwise"
         raise InputError(
             f"{path} cannot be read as a history ({what}); expected a file that a run wrote"
         )
-    software, model, sha256, n_bytes = found.groups()
+    software, model, sha256, n_bytes = match.groups()
     return Head(software, model, sha256, n_bytes and int(n_bytes))
 
 

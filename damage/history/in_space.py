@@ -24,8 +24,8 @@ class InSpace:
         bodies = self.history.bodies
         house = self.history.house
         local = np.column_stack([bodies["x_m"], house.body_y_m, bodies["z_m"]])
-        found = self.history.placing.in_house(house.body_wall, local[:, None])[:, 0]
-        return np.vstack([found, np.zeros(3)])
+        centres = self.history.placing.in_house(house.body_wall, local[:, None])[:, 0]
+        return np.vstack([centres, np.zeros(3)])
 
     @cached_property
     def boxes(self):
@@ -68,8 +68,8 @@ class InSpace:
             ],
             axis=1,
         )
-        found = history.placing.turned(history.house.body_wall, vectors)
-        return np.concatenate([found, np.zeros((1, 2, 3))]).swapaxes(0, 1)
+        motion = history.placing.turned(history.house.body_wall, vectors)
+        return np.concatenate([motion, np.zeros((1, 2, 3))]).swapaxes(0, 1)
 
     def moved(self, body, places, snapshot, magnify=1.0):
         """Where places (n, k, 3) [m] go with the bodies (n,) that they are fixed to, when the

@@ -20,13 +20,13 @@ def each(columns):
     >>> each({"period_s, amplitude_g": Column("s, g", "of a motion")})["amplitude_g"]
     Column(unit='g', meaning='of a motion', dtype='f8', least=-inf, most=inf)
     """
-    found = {}
+    by_name = {}
     for several, column in columns.items():
         singles = several.split(", ")
         units = column.unit.split(", ")
         units = units if len(units) == len(singles) else [column.unit] * len(singles)
-        found |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
-    return found
+        by_name |= {name: column._replace(unit=unit) for name, unit in zip(singles, units)}
+    return by_name
 
 
 def measure(columns):
@@ -43,9 +43,11 @@ def measure(columns):
     def with_names(function):
         @wraps(function)
         def values(*given, **more):
-            found = function(*given, **more)
-            found = (None,) * len(named) if found is None else found if len(named) > 1 else (found,)
-            return dict(zip(named, found, strict=True))
+            result = function(*given, **more)
+            result = (
+                (None,) * len(named) if result is None else result if len(named) > 1 else (result,)
+            )
+            return dict(zip(named, result, strict=True))
 
         values.columns = columns
         values.arguments = tuple(signature(function).parameters)

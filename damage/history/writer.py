@@ -284,8 +284,8 @@ def run_attributes(layout, solver, parameters, versions):
 
 def add_parameters(attributes, parameters):
     """Add parameters to those in the attributes of a history's run."""
-    found = json.loads(attributes["parameters_json"]) | parameters
-    attributes["parameters_json"] = json.dumps(found, sort_keys=True)
+    merged = json.loads(attributes["parameters_json"]) | parameters
+    attributes["parameters_json"] = json.dumps(merged, sort_keys=True)
 
 
 def _write_fixed(file, layout, attributes):
@@ -359,13 +359,13 @@ def growing_columns(layout, parameters):
         "active": 0,
         "walls": len(layout.walls),
     }
-    found = {}
+    columns = {}
     for path, column in schema.COLUMNS.items():
         group = path.partition("/")[0]
         if group in schema.GROWING and kept.get(path, True):
             _, *shape = schema.SHAPES.get(path, schema.SHAPES[group])
-            found[path] = column, tuple(sizes.get(of, of) for of in shape)
-    return found
+            columns[path] = column, tuple(sizes.get(of, of) for of in shape)
+    return columns
 
 
 def _create_growing(file, layout, parameters):

@@ -49,7 +49,7 @@ def coarser(wall, along, up):
     joint = {name: value for name, value in made.items() if name.endswith("stiffness")}
     bricks = {name: value for name, value in made.items() if name.endswith("modulus")}
     try:
-        found = replace(
+        coarse = replace(
             wall,
             brick=replace(brick, length=along * brick.length, height=course, **bricks),
             joint=replace(wall.joint, **joint),
@@ -59,8 +59,8 @@ def coarser(wall, along, up):
                 for opening in wall.openings
             ),
         )
-        _check_spandrels(found)
-        return found
+        _check_spandrels(coarse)
+        return coarse
     except InputError as error:
         raise InputError(f"in {size}: {error}; or give smaller units") from error
 

@@ -77,7 +77,7 @@ def joined_at(layout, one, other):
     low, high, i, j, apart = _common(layout, one, other)
     axes = layout.house.walls[one].axes
     span = high - low
-    found = []
+    joined = []
     bricks = np.maximum(i, j) < layout.n_bricks
     for normal in range(3):
         u, v = (k for k in range(3) if k != normal)
@@ -88,8 +88,8 @@ def joined_at(layout, one, other):
                 place = (low[k] + high[k]) / 2
                 place[[u, v]] += np.array([pu, pv]) * span[k, [u, v]] / 2
                 area = span[k, u] * span[k, v] * su * sv
-                found.append((*ends, normal, abs(apart[k, normal]), area, place @ axes))
-    first, second, normal, distance, area, place = map(np.array, zip(*found))
+                joined.append((*ends, normal, abs(apart[k, normal]), area, place @ axes))
+    first, second, normal, distance, area, place = map(np.array, zip(*joined))
     turned = axes[[[0, 2, 1], [1, 2, 0], [2, 0, 1]]][normal]
     stiffness = [
         1 / (1 / least("joint", of_joint) + distance / least("brick", modulus))

@@ -151,12 +151,12 @@ class Diaphragm:
             mass = self.mass_per_area * float(size.prod()) / len(walls)
             floor = Floor(self.level, mass, kind=self.kind, depth=self.depth)
             return {placed.wall.name: [floor] for placed in walls}
-        found = {placed.wall.name: [] for placed in walls}
+        floors = {placed.wall.name: [] for placed in walls}
         for span in self.spans(walls):
             for one, (left, right) in ((span.one, span.along), (span.other, span.other_along)):
                 mass = self.mass_per_area * span.apart / 2 * (right - left)
-                found[one.wall.name].append(Floor(self.level, mass, left, right))
-        return found
+                floors[one.wall.name].append(Floor(self.level, mass, left, right))
+        return floors
 
 
 def outline(walls):
@@ -255,8 +255,8 @@ class House:
         """The Placed walls with what floors bring to each."""
         more = {name: [] for name in self.names}
         for floor in self.floors:
-            for name, found in floor.on_walls(self.carrying(floor)).items():
-                more[name] += found
+            for name, floors in floor.on_walls(self.carrying(floor)).items():
+                more[name] += floors
         return tuple(
             replace(
                 placed,

@@ -317,7 +317,7 @@ def _check_slabs(layout):
 
 def _with_bars(layout):
     """The Layout with bars for anchored joists and ties, behind all other contact points."""
-    found = []
+    new_bars = []
     for what, bars in _bars(layout):
         ends = [(*end, *bar) for bar in bars for end in _bar(layout, *bar[:3])]
         if what and not ends:
@@ -327,10 +327,10 @@ def _with_bars(layout):
                 f"house {layout.house.name}, {what}: nowhere are there bricks of both, as at"
                 f" ({x:.3f}, {y:.3f}, {z:.3f}) m: expected leaves beside each other; correct them"
             )
-        found += ends
-    if not found:
+        new_bars += ends
+    if not new_bars:
         return layout
-    first, second, place, axes, spans, _, _, *forces = zip(*found)
+    first, second, place, axes, spans, _, _, *forces = zip(*new_bars)
     apart = np.array([span.apart for span in spans])
     stiffness, tension, compression = np.array(forces) / JOIST_M2
     points = Points(
@@ -349,35 +349,35 @@ def _bars(layout):
     strength in tension and compression [N])]) of each floor and of all Ties."""
     house = layout.house
     height = layout.wall.brick.height
-    found = []
+    crossings = []
     for floor in house.floors:
         z = (round(floor.level / height) - 0.5) * height
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
             n = max(1, int(np.ptp(span.along) / floor.anchor_spacing + TINY))
             own = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
-            found.append(("", [(span, (one + 0.5) / n, *own) for one in range(n)]))
+            crossings.append(("", [(span, (one + 0.5) / n, *own) for one in range(n)]))
     for ties in house.ties:
         span = ties.span(house)
         own = (ties.stiffness, ties.tension, ties.compression)
         bars = [(span, *place, *own) for place in ties.places(span)]
-        found.append((f"ties of {' and '.join(ties.walls)}", bars))
-    return found
+        crossings.append((f"ties of {' and '.join(ties.walls)}", bars))
+    return crossings
 
 
 def _bar(layout, span, share, z):
     """[(both bodies, place and axes of the bar)] at this share of a Span and height [m], none where
     it ends in an opening."""
     bodies = layout.bodies
-    found = []
+    sides = []
     on_course = (np.abs(bodies.z - z) < bodies.height / 2 + TINY) & (bodies.course != SLAB_COURSE)
     for wall, along in zip((span.one, span.other), span.along_at(share)):
         number = layout.house.walls.index(wall)
         away = np.abs(bodies.x - layout.left[number] - along) - bodies.length / 2
-        found.append(np.flatnonzero(on_course & (layout.body_wall == number) & (away < TINY)))
-    if not (len(found[0]) and len(found[1])):
+        sides.append(np.flatnonzero(on_course & (layout.body_wall == number) & (away < TINY)))
+    if not (len(sides[0]) and len(sides[1])):
         return []
     ends = np.insert(span.at(share), 2, z, axis=1)
     normal = (ends[1] - ends[0]) / span.apart
     up = np.array([0.0, 0.0, 1.0])
     axes = np.array([normal, up, np.cross(normal, up)])
-    return [(found[0][0], found[1][0], ends.mean(axis=0), axes)]
+    return [(sides[0][0], sides[1][0], ends.mean(axis=0), axes)]

@@ -48,7 +48,7 @@ def spans_between(walls, what):
     place = [axes @ placed.origin for placed in walls]
     order = sorted(range(len(walls)), key=lambda number: place[number][1])
     ends = [sorted(axes[0] @ end for end in wall.ends) for wall in walls]
-    found = []
+    spans = []
     for one, other in zip(order, order[1:]):
         left, right = (pick(ends[one][k], ends[other][k]) for k, pick in ((0, max), (1, min)))
         if right - left < TINY:
@@ -61,8 +61,8 @@ def spans_between(walls, what):
         for number in (one, other):
             sign = walls[number].axes[0, :2] @ axes[0]
             along.append(sorted(sign * (end - place[number][0]) for end in (left, right)))
-        found.append(Span(walls[one], walls[other], place[other][1] - place[one][1], *along))
-    return found
+        spans.append(Span(walls[one], walls[other], place[other][1] - place[one][1], *along))
+    return spans
 
 
 @dataclass(frozen=True)

@@ -112,9 +112,9 @@ class Factor(NamedTuple):
         lower = self.lower.swapaxes(1, 2)
         for node, span in zip(reversed(range(len(spans))), reversed(spans)):
             x[node] -= np.add.reduce(_times(lower[span], x[self.below[span]][:, None]), axis=0)
-        found = np.empty(right.shape)
-        found[self.order] = x.reshape(len(right), -1)[:, :size]
-        return found
+        solution = np.empty(right.shape)
+        solution[self.order] = x.reshape(len(right), -1)[:, :size]
+        return solution
 
 
 def factorised(blocks):

@@ -167,8 +167,8 @@ def _kept(function, layout, argument):
 
 def kept(key, make):
     """What `make()` returned for this key, should it be among the last ones used."""
-    found = _KEPT.pop(key, None)
-    _KEPT[key] = make() if found is None else found
+    value = _KEPT.pop(key, None)
+    _KEPT[key] = make() if value is None else value
     if len(_KEPT) > _MOST_KEPT:
         del _KEPT[next(iter(_KEPT))]
     return _KEPT[key]

@@ -117,12 +117,12 @@ def _largest(kind, name, factor=True):
     kind."""
 
     def value(run):
-        found = [
+        peaks = [
             abs(motion[name]) * (by if factor else 1.0)
             for motion, by in run.events
             if motion["kind"] == kind and motion.get(name) is not None
         ]
-        return max(found, default=None)
+        return max(peaks, default=None)
 
     return value
 
@@ -423,11 +423,11 @@ def _beyond(judged):
 
 def describe(evidence):
     """The evidence for a run in one line."""
-    found = outside(evidence)
+    outer = outside(evidence)
     known = sum(quantity["inside"] is not None for quantity in evidence.values())
-    if not found:
+    if not outer:
         return f"evidence for this run: inside the range of validity in all {known} quantities"
     return (
-        f"evidence for this run: outside the range of validity ({PLACE}) in {len(found)} of {known}"
-        f" quantities: {', '.join(found)}"
+        f"evidence for this run: outside the range of validity ({PLACE}) in {len(outer)} of {known}"
+        f" quantities: {', '.join(outer)}"
     )

@@ -119,10 +119,10 @@ def corners_table(history):
     """Opening, offset and failed bonds of the corners of a house over time, a DataFrame; columns:
     CORNERS."""
     contacts = history.contacts.with_any("state", "opening_m", "offset_m")
-    found = []
+    tables = []
     for walls, joints in corner_joints(history).items():
         of = np.isin(contacts.joints, joints)
-        found.append(
+        tables.append(
             pd.DataFrame(
                 {
                     "corner": " / ".join(walls),
@@ -133,7 +133,7 @@ def corners_table(history):
                 }
             )
         )
-    return pd.concat(found, ignore_index=True) if found else pd.DataFrame(columns=list(CORNERS))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(CORNERS))
 
 
 def house_summary(history, walls):
@@ -159,21 +159,21 @@ def house_summary(history, walls):
     }
 
 
-def describe(found):
+def describe(numbers):
     """A `house_summary` as lines for people: walls, corners and energy."""
-    end = found["collapsed_at_s"]
+    end = numbers["collapsed_at_s"]
     walls = {
         name: {column: value_in(summary, column) for column in WALL_COLUMNS}
-        for name, summary in found["walls"].items()
+        for name, summary in numbers["walls"].items()
     }
     lines = [
-        f"house {found['house']} / {found['motion']}: {found['status']}"
+        f"house {numbers['house']} / {numbers['motion']}: {numbers['status']}"
         + ("" if end is None else f", collapsed at {end:.2f} s"),
         *table_of(walls, {column: result_of(column) for column in WALL_COLUMNS}),
-        *(table_of(found["corners"], CORNER_RESULTS) if found["corners"] else []),
-        *([f"{found['failed_ties']} ties failed"] if found["failed_ties"] else []),
+        *(table_of(numbers["corners"], CORNER_RESULTS) if numbers["corners"] else []),
+        *([f"{numbers['failed_ties']} ties failed"] if numbers["failed_ties"] else []),
         *(
-            line_of(RESULTS[column], found[column])
+            line_of(RESULTS[column], numbers[column])
             for column in ("input_energy_j", "dissipated_energy_j", "energy_error_fraction")
         ),
     ]

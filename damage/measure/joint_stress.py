@@ -49,23 +49,23 @@ def sections(history):
     of the joints)]; left, right: of the pier along x, or of the arch along z; part: "pier 1", ...
     from the left, "arch 1", ..."""
     joints = history.joints
-    found = []
+    sections = []
     x = joints["x_m"].to_numpy()
     z = joints["z_m"].to_numpy()
     is_bed = (joints["kind"] == "bed").to_numpy()
     for number, (left, right) in enumerate(history.plan.piers, 1):
         inside = is_bed & (x > left - _SAME) & (x < right + _SAME)
-        found += [(f"pier {number}", left, right, True, *one) for one in _by_place(z, inside)]
+        sections += [(f"pier {number}", left, right, True, *one) for one in _by_place(z, inside)]
     for number, lintel in enumerate(
         (one for one in history.plan.lintels if one.lintel.kind == "arch"), 1
     ):
         upright = ~is_bed & _in_arch(history, lintel)
         at = np.flatnonzero(upright)
-        found += [
+        sections += [
             (f"arch {number}", z[at].min(), z[at].max(), False, *one)
             for one in _by_place(x, upright)
         ]
-    return found
+    return sections
 
 
 def _in_arch(history, lintel):
@@ -165,10 +165,10 @@ def stresses_table(history, moments=MOMENTS):
     table = history.joints.rename_axis("joint").reset_index()[
         ["joint", "kind", "x_m", "z_m", "area_m2"]
     ]
-    found = []
+    tables = []
     for moment, sample in zip(moments, choose_samples(history, moments)):
         force = contact_forces(history, sample)
-        found.append(
+        tables.append(
             table.assign(
                 moment=moment,
                 time_s=history.series["time_s"].iloc[sample],
@@ -178,7 +178,7 @@ def stresses_table(history, moments=MOMENTS):
                 force_z_n=force[:, 1],
             )
         )
-    return pd.concat(found, ignore_index=True)[list(STRESSES)]
+    return pd.concat(tables, ignore_index=True)[list(STRESSES)]
 
 
 STRESSES = _AT | {

@@ -91,8 +91,11 @@ def flat_summary(
     for function in (one for functions in REGISTER.values() for one in functions):
         known = numbers | asked
         numbers |= function(**{name: known[name] for name in function.arguments})
-    found = evidence_for(history.masonry_wall, history.parameters, numbers)
-    return numbers | {"evidence": found, "outside_validity": "; ".join(outside(found)) or None}
+    evidence = evidence_for(history.masonry_wall, history.parameters, numbers)
+    return numbers | {
+        "evidence": evidence,
+        "outside_validity": "; ".join(outside(evidence)) or None,
+    }
 
 
 def summarise(

@@ -33,7 +33,7 @@ def warnings_of(history: History) -> list[Warned]:
             *(Warned("static_stage", text) for text in static_warnings(history)),
         ]
     share = elastic_share(history.plan, history.joints, history.bodies)
-    found = {
+    by_code = {
         "changed_by_hand": changed_warnings(history),
         "static_stage": static_warnings(history),
         "energy_balance": energy_warnings(balance_error(history)),
@@ -47,7 +47,7 @@ def warnings_of(history: History) -> list[Warned]:
     }
     return [
         *history.heard,
-        *(Warned(code, text) for code, texts in found.items() for text in texts),
+        *(Warned(code, text) for code, texts in by_code.items() for text in texts),
     ]
 
 
@@ -55,18 +55,18 @@ def static_warnings(history: History) -> list[str]:
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at
     rest."""
     static = history.static
-    found = []
+    warnings = []
     failed = static["broken_joints"]
     if len(history.series):  # less those without a bond: dry joints, and what a survey took
         failed -= int(np.sum(history.states.broken[0] & ~with_bond(history)[history.states.joints]))
     if failed > 0:
-        found.append(f"{failed:.0f} contact points failed under gravity, before the motion")
+        warnings.append(f"{failed:.0f} contact points failed under gravity, before the motion")
     if static["unbalanced_force"] > AT_REST:
-        found.append(
+        warnings.append(
             "the motion began before the wall was at rest: unbalanced force "
             f"{static['unbalanced_force']:.2g}, expected below {AT_REST:g}"
         )
-    return found
+    return warnings
 
 
 def changed_warnings(history: History) -> list[str]:

@@ -89,9 +89,9 @@ def _radiation(layout, row):
     times = radiation_times(layout.options)
     if not any(times):
         return np.zeros((0, 5))
-    found = np.zeros((len(row), 5))
-    found[layout.contacts.first[row] < 0, :2] = times
-    return found
+    coefficients = np.zeros((len(row), 5))
+    coefficients[layout.contacts.first[row] < 0, :2] = times
+    return coefficients
 
 
 def strain_tables(layout):

@@ -137,11 +137,13 @@ def solve(n, matrix, since):
     node = ROW(len(matrix.body))
     while node > ROW(since):
         node -= ROW(1)
-        found = product(n, matrix.inverse, node, values_of(n, room, node))
+        solution = product(n, matrix.inverse, node, values_of(n, room, node))
         while e > start[node]:
             e -= ROW(1)
-            found = less(found, product_across(n, matrix.lower, e, values_of(n, room, below[e])))
-        keep_values(n, room, node, found)
+            solution = less(
+                solution, product_across(n, matrix.lower, e, values_of(n, room, below[e]))
+            )
+        keep_values(n, room, node, solution)
 
 
 @inlined

@@ -564,16 +564,16 @@ def _named(context, builder, signature, values, rows):
 def _four(context, builder, signature, values):
     pointers = [*_named(context, builder, signature, values, 2)]
     if signature.args[0].instance_class is not Rows:
-        found = [builder.load(builder.gep(pointers[0], [_INT(i)]), align=8) for i in range(4)]
+        loaded = [builder.load(builder.gep(pointers[0], [_INT(i)]), align=8) for i in range(4)]
     else:
-        found = _as_columns(
+        loaded = _as_columns(
             builder,
             [
                 builder.load(builder.bitcast(pointer, _FOUR.as_pointer()), align=8)
                 for pointer in pointers
             ],
         )
-    return context.make_tuple(builder, signature.return_type, found)
+    return context.make_tuple(builder, signature.return_type, loaded)
 
 
 @_compiles(put_four, lambda n, table, rows, k, field, values: types.none)
@@ -645,13 +645,13 @@ def reader(kind, names, prefix=""):
         ),
     )
     def _read_all(context, builder, signature, values):
-        found = _fields(context, builder, signature, values, places)
+        loaded = _fields(context, builder, signature, values, places)
         return context.make_tuple(
             builder,
             signature.return_type,
             [
                 builder.fcmp_ordered(">", one, _REAL(0.0)) if is_flag else one
-                for one, is_flag in zip(found, are_flags)
+                for one, is_flag in zip(loaded, are_flags)
             ],
         )
 

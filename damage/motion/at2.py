@@ -91,8 +91,8 @@ def count_and_step(line):
     >>> [count_and_step(line) for line in lines]
     [(400, 0.005), (400, 0.005), (400, 0.005)]
     """
-    found = next(filter(None, (pattern.search(line) for pattern in _COUNT_AND_STEP)), None)
-    return found and (
-        int(found["count"]),
-        as_float(found["step"].replace(",", ".").rstrip(".") or "0"),
+    match = next(filter(None, (pattern.search(line) for pattern in _COUNT_AND_STEP)), None)
+    return match and (
+        int(match["count"]),
+        as_float(match["step"].replace(",", ".").rstrip(".") or "0"),
     )

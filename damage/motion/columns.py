@@ -62,8 +62,8 @@ def read(path, data, unit=None, sample_step_s=None):
             f"{path}: times begin at {first_s:g} s, which is 0 s of the record: windows count from"
             " there"
         )
-    found = filter(None, map(_START_UTC.match, lines))
-    start_utc = next((_utc(start.group(1), first_s, path) for start in found), "")
+    starts = filter(None, map(_START_UTC.match, lines))
+    start_utc = next((_utc(start.group(1), first_s, path) for start in starts), "")
     return Record(
         record_name(path),
         step_s,
@@ -187,8 +187,8 @@ def _named_unit(header, separator, alone):
     """
     *time, acceleration = _names(header, separator, alone)
     of_time = alone or (len(time) == 1 and _TIME.fullmatch(time[0]))
-    found = _ACCELERATION.fullmatch(acceleration)
-    unit = _plain_unit(found[1]) if of_time and found else None
+    match = _ACCELERATION.fullmatch(acceleration)
+    unit = _plain_unit(match[1]) if of_time and match else None
     return unit if unit in UNITS_M_S2 else None
 
 

@@ -402,17 +402,17 @@ def motion_summary(loading, eigen_period_s: float | None = None) -> dict:
 _SPECTRA = "sa_g", "sa_rotd100_g"
 
 
-def _describe_sampling(found):
+def _describe_sampling(measures):
     """How walls take the samples of a `motion_summary`, in words."""
-    if found["interpolated_for_s"] is None:
+    if measures["interpolated_for_s"] is None:
         return (
             "taken as it is by walls of a first period from"
-            f" {LEAST_A_PERIOD * found['time_step_s']:g} s, by stiffer ones interpolated (--period"
-            " T1_S shows that motion)"
+            f" {LEAST_A_PERIOD * measures['time_step_s']:g} s, by stiffer ones interpolated"
+            " (--period T1_S shows that motion)"
         )
     return (
-        f"interpolated (band-limited) for a wall of {found['interpolated_for_s']:g} s; lines"
-        f" between samples would take off {100 * found['lost_by_lines']:.2g} % at that period"
+        f"interpolated (band-limited) for a wall of {measures['interpolated_for_s']:g} s; lines"
+        f" between samples would take off {100 * measures['lost_by_lines']:.2g} % at that period"
     )
 
 
@@ -428,32 +428,32 @@ def late_lines(late_s: dict[str, float]) -> list[str]:
     ]
 
 
-def describe(found: dict) -> str:
+def describe(values: dict) -> str:
     """A `motion_summary` as lines for people."""
-    names = list(found)
+    names = list(values)
     measures = {
-        name: found[name] for name in names[names.index("filtered") + 1 :] if name not in _SPECTRA
+        name: values[name] for name in names[names.index("filtered") + 1 :] if name not in _SPECTRA
     }
     band = (
         "none (--band LOW_HZ HIGH_HZ for a band-pass)"
-        if found["band_hz"] is None
-        else "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*found["band_hz"])
+        if values["band_hz"] is None
+        else "zero-phase band-pass {:g} to {:g} Hz, in all measures".format(*values["band_hz"])
     )
     lines = [
-        f"motion as applied: {found['motion']}; 1 g = {found['gravity_m_s2']:g} m/s2",
-        f"unit of the file: {found['unit'] or 'm_s2 (made in Python)'}",
+        f"motion as applied: {values['motion']}; 1 g = {values['gravity_m_s2']:g} m/s2",
+        f"unit of the file: {values['unit'] or 'm_s2 (made in Python)'}",
         f"filter: {band}",
-        f"time step: {found['time_step_s']:g} s, {_describe_sampling(found)}",
-        *late_lines(found["late_s"]),
+        f"time step: {values['time_step_s']:g} s, {_describe_sampling(values)}",
+        *late_lines(values["late_s"]),
     ]
     lines += [f"{name:18s}{value:10.4f}" for name, value in measures.items()]
     lines += [
         f"{name}({period} s){value:>{25 - len(period) - len(name)}.4f}"
         for name in _SPECTRA
-        if name in found
-        for period, value in found[name].items()
+        if name in values
+        for period, value in values[name].items()
     ]
-    if abs(found["end_velocity_cm_s"]) > MOST_END_VELOCITY * found["pgv_cm_s"]:
+    if abs(values["end_velocity_cm_s"]) > MOST_END_VELOCITY * values["pgv_cm_s"]:
         lines.append(
             "note: the base still moves when the motion ends; PGV, Arias intensity and durations"
             " include what the baseline or the window adds (--baseline ORDER, --band LOW_HZ HIGH_HZ"
@@ -472,10 +472,11 @@ def motion_measures(history) -> dict:
 
     Units: `damage.measure.columns.PARAMETERS`.
     """
-    found = history.parameters
+    parameters = history.parameters
     factor = history.strongest_factor
     return {
-        name: found.get(name) and found[name] * factor ** _POWERS.get(name, 1) for name in APPLIED
+        name: parameters.get(name) and parameters[name] * factor ** _POWERS.get(name, 1)
+        for name in APPLIED
     }
 
 

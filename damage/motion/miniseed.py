@@ -130,10 +130,10 @@ def _sensitivity(obspy, station_xml, trace):
             io.BytesIO(without_entities(text)), format="STATIONXML"
         ).get_response(trace.id, begin),
     )
-    found = response.instrument_sensitivity
+    sensitivity = response.instrument_sensitivity
     units = (
-        str(found.input_units).upper()
-        if found and found.value and math.isfinite(found.value)
+        str(sensitivity.input_units).upper()
+        if sensitivity and sensitivity.value and math.isfinite(sensitivity.value)
         else "no sensitivity"
     )
     if units not in ACCELERATION_UNITS:
@@ -141,8 +141,10 @@ def _sensitivity(obspy, station_xml, trace):
             f"{station_xml}: {units} of {trace.id}; expected the sensitivity of an accelerometer"
             " in counts per M/S**2, give an acceleration channel"
         )
-    _check_sensitivity(f"{station_xml}: sensitivity of {trace.id}", found, response.response_stages)
-    return found.value, hashlib.sha256(text).hexdigest()
+    _check_sensitivity(
+        f"{station_xml}: sensitivity of {trace.id}", sensitivity, response.response_stages
+    )
+    return sensitivity.value, hashlib.sha256(text).hexdigest()
 
 
 def _check_sensitivity(where, overall, stages):
@@ -192,7 +194,7 @@ def _quietly(path, wanted, read):
     try:
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
-            found = read()
+            stream = read()
     except Exception as error:  # obspy lets errors of several libraries through
         raise InputError(f"{path}: obspy says {_shown(error)}; expected {wanted}") from error
     finally:
@@ -201,4 +203,4 @@ def _quietly(path, wanted, read):
     problems += [one.message for one in warned if issubclass(one.category, UserWarning)]
     if problems:
         raise InputError(f"{path}: obspy says {_shown(problems[0])}; expected {wanted}")
-    return found
+    return stream

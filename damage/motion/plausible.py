@@ -142,12 +142,12 @@ def spike_warnings(record):
     beside = np.delete(around[candidates], _NEIGHBOURS, axis=1)
     middle = np.median(beside, axis=1)
     spread = np.sort(np.abs(beside - middle[:, np.newaxis]), axis=1)[:, -2]
-    found = candidates[np.abs(a[candidates] - middle) > SPIKE * spread]
-    rest = np.delete(size, found)
-    if not found.size or size[found].max() <= rest.max(initial=0.0):
+    spikes = candidates[np.abs(a[candidates] - middle) > SPIKE * spread]
+    rest = np.delete(size, spikes)
+    if not spikes.size or size[spikes].max() <= rest.max(initial=0.0):
         return []
-    k = found[np.argmax(size[found])]
-    more = f", and {found.size - 1} more like it" if found.size > 1 else ""
+    k = spikes[np.argmax(size[spikes])]
+    more = f", and {spikes.size - 1} more like it" if spikes.size > 1 else ""
     near = round(middle[candidates == k][0], 4) + 0.0
     return [
         f"{record.name}: sample {k} (from 0) at {k * record.time_step_s:g} s is {a[k]:.4g}"
@@ -203,7 +203,7 @@ def implausible_motion(loading, factors=(1.0,)):
         given += [("--scale", loading.scale)]
     if isinstance(loading, TopDisplacement):
         given += [("--pushover, --cyclic", drift_pct) for drift_pct in loading.amplitudes_pct]
-    found = [message_of(name, value, RANGES[name]) for name, value in given]
+    messages = [message_of(name, value, RANGES[name]) for name, value in given]
     if isinstance(loading, Recorded) and loading.scale and loading.peak_g * largest == 0:
-        found.append(f"{loading.name}: the base stands still, expected a motion")
-    return list(dict.fromkeys(filter(None, found)))
+        messages.append(f"{loading.name}: the base stands still, expected a motion")
+    return list(dict.fromkeys(filter(None, messages)))

@@ -196,11 +196,11 @@ def on_axis_of(
             f"{reference.name}, {lowest:g} to {highest:g} s are used; expected all of these, give "
             "--window T0_S T1_S"
         )
-    found = np.zeros(size)
-    found[begin:end] = record.acceleration_m_s2[begin - first : end - first]
+    samples = np.zeros(size)
+    samples[begin:end] = record.acceleration_m_s2[begin - first : end - first]
     return replace(
         record,
-        acceleration_m_s2=found,
+        acceleration_m_s2=samples,
         start_utc=reference.start_utc,
         first_s=reference.first_s,
         late_s=late_s,
@@ -274,9 +274,9 @@ def whole_steps(interval_s: float, max_step_s: float) -> int:
     return steps
 
 
-def _shown(found):
+def _shown(record):
     """A piece of input or a foreign message, fit for one line."""
-    text = str(found)
+    text = str(record)
     return repr(text if len(text) <= 60 else text[:57] + "...")
 
 

@@ -57,11 +57,11 @@ def finer(samples, times, reach, beta):
     contribute."""
     taps = np.append(_taps(times, reach, beta), np.zeros(times - 1)).reshape(-1, times)
     n = samples.size - 2 * reach
-    found = np.zeros((n, times))
+    fine = np.zeros((n, times))
     for behind, row in enumerate(taps):
         first = 2 * reach - behind
-        found += samples[first : first + n, np.newaxis] * row
-    return found.ravel()[: (n - 1) * times + 1]
+        fine += samples[first : first + n, np.newaxis] * row
+    return fine.ravel()[: (n - 1) * times + 1]
 
 
 def _taps(times, reach, beta):
@@ -77,11 +77,11 @@ def _taps(times, reach, beta):
 
 def _bessel(x):
     """The modified Bessel function I0 of x (n,)."""
-    part = found = np.ones_like(x)
+    part = total = np.ones_like(x)
     for k in range(1, _TERMS):
         part = part * (0.25 * x * x) / (k * k)
-        found = found + part
-    return found
+        total = total + part
+    return total
 
 
 def without_polynomial(samples, order):
@@ -150,10 +150,10 @@ def _filtered(values, sections):
         one = two = -gain * before
         passed = []
         for value in values:
-            found = gain * value + one
-            one = two - a1 * found
-            two = -gain * value - a2 * found
-            passed.append(found)
+            sample = gain * value + one
+            one = two - a1 * sample
+            two = -gain * value - a2 * sample
+            passed.append(sample)
         values = passed
         before = 0.0
     return values

@@ -117,8 +117,8 @@ def _digests(case, out):
 
 def digests_of(histories):
     """{quantity: digest} of histories, one after the other."""
-    found = [values_of(history) for history in histories]
-    return {quantity: _digest([values[quantity] for values in found]) for quantity in found[0]}
+    runs = [values_of(history) for history in histories]
+    return {quantity: _digest([values[quantity] for values in runs]) for quantity in runs[0]}
 
 
 def _placed(words):
@@ -147,14 +147,14 @@ def values_of(history):
 def _digest(arrays):
     """First digits of the SHA-256 of the values of arrays, one after the other, in one byte
     order."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for array in (np.asarray(value) for values in arrays for value in values):
-        found.update(
+        digest.update(
             " ".join(array.tolist()).encode()
             if array.dtype == object
             else np.ascontiguousarray(array, array.dtype.newbyteorder("<")).tobytes()
         )
-    return found.hexdigest()[:DIGITS]
+    return digest.hexdigest()[:DIGITS]
 
 
 def published():
@@ -167,21 +167,21 @@ def published():
     return {(row.run, row.quantity): row.digest for row in table.itertuples()}
 
 
-def differing(found, known):
+def differing(digests, known):
     """{run: its quantities whose digests differ from known ones}; found: of `digests`, known: of
     `published`."""
     different = {}
-    for (name, quantity), digest in found.items():
+    for (name, quantity), digest in digests.items():
         if known.get((name, quantity)) != digest:
             different.setdefault(name, []).append(quantity)
     return different
 
 
-def verdict(found, known):
+def verdict(digests, known):
     """One line: how many runs have the published bits on this machine, and what may be the cause
     where some have not; found: of `digests`, known: of `published`."""
-    runs = {name for name, _ in found}
-    different = differing(found, known)
+    runs = {name for name, _ in digests}
+    different = differing(digests, known)
     line = (
         f"published histories: {len(runs) - len(different)} of {len(runs)} have the same bits on"
         " this machine"

@@ -172,8 +172,8 @@ class Lanes:
     def _samples_now(self, wall):
         """Samples of a wall from the last `run`, its stresses where it has them."""
         w = self.lane_of(wall)
-        found = self._sampling.samples.of(w, self._sampling.taken[w])
-        return found if wall.with_stresses else found._replace(stress=found.stress[..., :0])
+        samples = self._sampling.samples.of(w, self._sampling.taken[w])
+        return samples if wall.with_stresses else samples._replace(stress=samples.stress[..., :0])
 
     def sample_now(self, wall, field):
         """Samples with a single sample of a wall, of the present time; field: (3,) acceleration of

@@ -179,7 +179,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         """Views of all tables of this wall that outlast a step, {name: array}."""
         tables = self.lanes.tables
         lane = self.lanes.lane_of(self)
-        found = {
+        columns = {
             name: of[lane] if name in LOGS else of[..., lane]
             for name, of in zip(Tables._fields, tables)
             if name not in SHARED + WORK
@@ -189,7 +189,7 @@ class ReferenceSolver(ReferenceWall, Solver):
             if self.loose is None
             else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
         )
-        return found | loose
+        return columns | loose
 
     def checkpoint(self):
         count = dict.fromkeys(("events", "values"), int(self.system.n_events[0]))

@@ -189,12 +189,12 @@ class ReferenceWall:
     def contact_data(self, samples, joints=slice(None)):
         """Contact data of Samples of this wall, {name of FIELD_NAMES: (n, n_selected)}; joints:
         indices or a slice."""
-        found = {
+        columns = {
             name: values[:, : self.layout.n_joints][:, joints]
             for name, values in zip(FIELD_NAMES, np.moveaxis(samples.contacts, 1, 0))
         }
-        found["state"] = found["state"].astype("u1")
-        return found
+        columns["state"] = columns["state"].astype("u1")
+        return columns
 
     # --- loading and time steps -----------------------------------------------------------------
 

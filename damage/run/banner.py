@@ -59,16 +59,16 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
 def masonry_lines(layout):
     """Lines about the joints and bricks of a wall, of a house with the names of its walls where
     these differ."""
-    found = {}
+    by_wall = {}
     for wall in layout.walls:
         lines = (
             describe_joint(wall.joint, layout.options.strength_cov),
             describe_brick(wall.brick, layout.options),
         )
-        found.setdefault(lines, []).append(wall.name)
+        by_wall.setdefault(lines, []).append(wall.name)
     return [
-        line if len(found) == 1 else f"{', '.join(names)}: {line}"
-        for lines, names in found.items()
+        line if len(by_wall) == 1 else f"{', '.join(names)}: {line}"
+        for lines, names in by_wall.items()
         for line in lines
     ]
 

@@ -108,9 +108,9 @@ def schemes_left(path, schemes):
     """What a run still has to try: of the (RunSettings, time step [s]) of
     `damage.run.scheme.schemes` those from the present one on, and {parameter: value} of how often
     it was repeated; path: of its history, None of a run that begins."""
-    found = {"repeats": 0, "repeated_for": None}
+    state = {"repeats": 0, "repeated_for": None}
     if path is None:
-        return schemes, found
+        return schemes, state
     had = read_history(path).parameters
     came_to = [
         k
@@ -118,7 +118,7 @@ def schemes_left(path, schemes):
         if (settings.mass_scaling, time_step) == (had.get("mass_scaling"), had.get("time_step_s"))
     ]
     return schemes[came_to[0] :] if came_to else schemes, {
-        name: had.get(name, one) for name, one in found.items()
+        name: had.get(name, one) for name, one in state.items()
     }
 
 

@@ -121,15 +121,15 @@ def have_left(layout, motion, joints, state):
         return np.bincount(bodies[bodies >= 0], minlength=len(layout.bodies))
 
     ended = (state & ENDED) > 0
-    found = np.zeros(len(motion), bool)
+    left = np.zeros(len(motion), bool)
     both = np.stack([layout.contacts.first, layout.contacts.second])
     joined = number_of(both.ravel())
     of_joints = both[:, : layout.n_joints][:, joints]
     for k in np.flatnonzero(ended.any(axis=1)):
         loose = number_of(of_joints[:, ended[k]].ravel()) == joined
         far = hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
-        found[k] = np.any((loose & far)[: layout.n_bricks])
-    return found
+        left[k] = np.any((loose & far)[: layout.n_bricks])
+    return left
 
 
 def fastest_fallen(layout, motion, before, interval_s):

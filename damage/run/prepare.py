@@ -110,7 +110,7 @@ class RunPlan:
         loading = self.settings.loading
         wall = self.layout.wall
         period_s = float(self.modes.period_s[0])
-        found = {
+        parameters = {
             "wall": wall.as_dict(),
             "wall_file": file_origin(wall_file),
             **self.settings.as_dict(),
@@ -122,7 +122,9 @@ class RunPlan:
             **applied_measures(loading.applied(), period_s, loading.applied_across()),
             **self.layout.house_parameters,
         }
-        return found | {"outside_validity": "; ".join(outside(evidence_for(wall, found))) or None}
+        return parameters | {
+            "outside_validity": "; ".join(outside(evidence_for(wall, parameters))) or None
+        }
 
     def past(self):
         """`state` of a Prepared run."""

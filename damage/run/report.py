@@ -52,9 +52,9 @@ def _draw(history):
         )
 
 
-def describe_house(found):
+def describe_house(summary):
     """A `house_summary` as lines for people: what all walls have together, then each."""
-    return "\n\n".join([describe_together(found), *map(describe, found["walls"].values())])
+    return "\n\n".join([describe_together(summary), *map(describe, summary["walls"].values())])
 
 
 def check_pictures(path, overwrite=False):
@@ -90,5 +90,5 @@ def describe_events(table):
 
 def with_added(summary, history):
     """A summary with what applications add to it (`damage.run.options.SUMMARY`)."""
-    found = {name: of(history) for name, (of, _) in SUMMARY.items()}
-    return summary | {name: value for name, value in found.items() if value is not None}
+    added = {name: of(history) for name, (of, _) in SUMMARY.items()}
+    return summary | {name: value for name, value in added.items() if value is not None}

@@ -624,22 +624,22 @@ class Run:
     def _beside(self, now):
         """Motion of the supports and forces on them; of a run that keeps them stresses of the
         joints; as of `Buffer.extend`."""
-        found = {
+        columns = {
             "ground/displacement": now.support_displacement - self._zero.support_displacement,
             "ground/force": now.support_force,
         }
         if now.out_of_plane is not None:
             motion = self._motion(now)
             tops = self.layout.tops(motion) - self._tops_by_base(motion)
-            found["house/top_displacement_m"] = tops
+            columns["house/top_displacement_m"] = tops
             across = now.out_of_plane - self._zero.out_of_plane
-            found["house/across_m"] = self.layout.across(across)
-            found["house/top_across_m"] = self.layout.tops(across)
-            found["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
-            found["house/failed_ties"] = now.failed_ties
+            columns["house/across_m"] = self.layout.across(across)
+            columns["house/top_across_m"] = self.layout.tops(across)
+            columns["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
+            columns["house/failed_ties"] = now.failed_ties
         if now.joint_stress_pa is not None:
-            found["stresses/joint_stress_pa"] = now.joint_stress_pa
-        return found
+            columns["stresses/joint_stress_pa"] = now.joint_stress_pa
+        return columns
 
     def _snapshot(self, time_s, now, motion, k):
         """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of
@@ -703,10 +703,10 @@ class Run:
 
     def _base_at(self, clock):
         """Acceleration of the base in these steps, (n, 2) [m/s2]."""
-        found = np.zeros((len(clock), self.base.shape[1]))
+        motion = np.zeros((len(clock), self.base.shape[1]))
         moves = clock < len(self.base)
-        found[moves] = self.base[clock[moves]]
-        return found
+        motion[moves] = self.base[clock[moves]]
+        return motion
 
     def _write_events(self, events, since=0):
         """Write what a solver drained; since: its clock's zero, in steps since the end of the

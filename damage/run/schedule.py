@@ -96,19 +96,19 @@ def check_top(settings, layout, time_step):
 def softening_warnings(settings, time_step, critical_s, beta_s):
     """What of a run's step and damping is outside of what softening joints were shown to need in a
     solver, by the damping [s] that it gives them: a list of lines."""
-    found = []
+    warnings = []
     asked = settings.time_step_s is not None and not settings.scales
     if asked and time_step > 1.001 * SOFTENING_STEP_FACTOR * critical_s:
-        found.append(
+        warnings.append(
             f"--dt {time_step:.4g} s is {time_step / critical_s:.2f} of the critical step: expected"
             f" at most {SOFTENING_STEP_FACTOR:g} where joints soften; leave --dt out"
         )
     if settings.beta_s < beta_s and not settings.loading.drive.quasi_static:
-        found.append(
+        warnings.append(
             f"--beta {settings.beta_s:g} s: expected at least {beta_s:g} where joints"
             " soften, or cracks follow rounding and step; leave --beta out"
         )
-    return found
+    return warnings
 
 
 def deformable_warnings(model, wall):
@@ -116,24 +116,24 @@ def deformable_warnings(model, wall):
     lines."""
     if not model.has_modes:
         return []
-    found = []
+    warnings = []
     if model.contacts != "gauss":
-        found.append(
+        warnings.append(
             f"--bricks deformable with --contacts {model.contacts}: expected --contacts gauss,"
             " which alone passes the patch test; corner points fail joints at rest"
         )
     if not wall.joint.softens:
-        found.append(
+        warnings.append(
             "--bricks deformable with brittle joints: how many contact points fail depends on their"
             " number; give joints fracture energies (docs/model/model.md)"
         )
     if wall.brick.splits:
-        found.append(
+        warnings.append(
             f"--bricks deformable with a tensile strength of {wall.brick.tensile_strength / 1e6:g}"
             " MPa of the bricks: deformable bricks do not split, above it, either; for bricks that"
             " split give --bricks rigid"
         )
-    return found
+    return warnings
 
 
 def sample_steps(time_step, mass_scaling=NONE):
@@ -151,21 +151,21 @@ def stages(settings, layout, time_step, sample_steps):
 
     time_step [s]; sample_steps: steps between two samples.
     """
-    found = []
+    sequence = []
     start = 0
     if settings.settlement:
         length_s = settlement_s(settings, layout)
         start = sample_steps * math.ceil(length_s / (sample_steps * time_step))
-        found = [Stage(1, "settlement", 0, start)]
+        sequence = [Stage(1, "settlement", 0, start)]
     if settings.loading.drive.quasi_static:
         height = layout.height_of_push(settings.loading.drive.floor_shares)
         # in the end what damping and the drift are behind fades
         rest_s = PUSH_PERIODS * float(natural_modes(layout).period_s[0])
         length_s = settings.loading.length_s(height) + rest_s
         n = math.ceil(length_s / (sample_steps * time_step))
-        return [*found, Stage(1, "motion", start, start + n * sample_steps)]
+        return [*sequence, Stage(1, "motion", start, start + n * sample_steps)]
     if not settings.loading.moves:
-        return found
+        return sequence
     for shock, event in enumerate(settings.all_events, 1):
         lengths = {"motion": event.loading.duration_s, "rest": event.rest_s, "settling": SETTLE_S}
         first = start
@@ -173,9 +173,9 @@ def stages(settings, layout, time_step, sample_steps):
         for name, length_s in lengths.items():
             elapsed_s += length_s
             end = first + sample_steps * math.ceil((elapsed_s / time_step - 0.5) / sample_steps)
-            found.append(Stage(shock, name, start, end))
+            sequence.append(Stage(shock, name, start, end))
             start = end
-    return found
+    return sequence
 
 
 def settlement_s(settings, layout):
@@ -261,6 +261,6 @@ def base_acceleration(settings, schedule, time_step, axes=2):
         if (record := event.loading.applied_across()) is not None:
             time_s = np.arange(n_steps) * time_step
             samples = record.acceleration_m_s2
-            found = event.factor * at_times(time_s, record.time_step_s, samples)
-            other[start : start + n_steps] = to_grid(found, ACCELERATION)
+            acceleration = event.factor * at_times(time_s, record.time_step_s, samples)
+            other[start : start + n_steps] = to_grid(acceleration, ACCELERATION)
     return np.column_stack([base, other])

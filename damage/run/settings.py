@@ -303,15 +303,15 @@ class RunSettings:
         ]
         pgv = max((pgv_m_s(motion) * factor for motion, factor in motions), default=0.0)
         peak = max([self.peak_g, *(pga_g(motion) * factor for motion, factor in motions)])
-        found = [
+        messages = [
             *implausible_motion(self.loading, (1.0,) if self.life else self.sequence),
             implausible_peak(peak) or implausible_velocity(pgv),
             self.joints_without_bond and self.joints_without_bond.implausible(wall),
         ]
-        if found := list(filter(None, found)):
+        if messages := list(filter(None, messages)):
             raise InputError(
-                f"{'; '.join(found)}. Correct the value or its unit, or accept all values as given:"
-                f" {ACCEPT}"
+                f"{'; '.join(messages)}. Correct the value or its unit, or accept all values"
+                f" as given: {ACCEPT}"
             )
 
     def for_period(self, period_s):

@@ -236,18 +236,18 @@ def _touching(parts, ends, bottom, top):
     """Pairs (left, right) of bodies whose upright faces touch, one of them at least among these
     parts."""
     left, right = ends
-    found = set()
+    pairs = set()
     for part in parts:
         shares = (bottom < top[part] - TINY) & (top > bottom[part] + TINY)
-        found |= {
+        pairs |= {
             (part, int(other))
             for other in np.flatnonzero(shares & (np.abs(left - right[part]) < TINY))
         }
-        found |= {
+        pairs |= {
             (int(other), part)
             for other in np.flatnonzero(shares & (np.abs(right - left[part]) < TINY))
         }
-    return sorted(found)
+    return sorted(pairs)
 
 
 def _head_pairs(bodies, n_bricks, cells):

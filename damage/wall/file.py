@@ -139,16 +139,16 @@ def wall_of(make_wall: Callable, path: str | Path, kinds: type[Wall] | tuple = W
 def _message_of(error):
     """Message of an error in a wall file; for an unknown keyword also the known ones."""
     message = f"{type(error).__name__}: {error.msg if isinstance(error, SyntaxError) else error}"
-    found = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
-    kind = found and next((record for record in _RECORDS if record.__name__ == found[1]), None)
+    match = re.search(r"(\w+)\.__init__\(\) got an unexpected keyword argument '(\w+)'", message)
+    kind = match and next((record for record in _RECORDS if record.__name__ == match[1]), None)
     if not kind:
         return message
     names = [attribute.name for attribute in fields(kind)]
-    near = get_close_matches(found[2], names, n=1)
-    if found[2] == "cohesion" and kind is Brick:
+    near = get_close_matches(match[2], names, n=1)
+    if match[2] == "cohesion" and kind is Brick:
         return f"Brick(cohesion=...): {NO_COHESION}"
     return (
-        f"{kind.__name__}({found[2]}=...): expected "
+        f"{kind.__name__}({match[2]}=...): expected "
         + (f"{near[0]}; it has " if near else "one of ")
         + ", ".join(names)
     )
@@ -332,7 +332,7 @@ def _object(kind, special, *more):
         for attribute in fields(kind)
         if attribute.default is MISSING and attribute.default_factory is MISSING
     ]
-    found = {
+    properties = {
         attribute.name: special.get(attribute.name) or _schema_of(attribute.metadata)
         for attribute in fields(kind)
     }
@@ -340,7 +340,7 @@ def _object(kind, special, *more):
         "type": "object",
         "additionalProperties": False,
         "required": required,
-        "properties": found | {key: special.get(key, _NUMBER) for key in more},
+        "properties": properties | {key: special.get(key, _NUMBER) for key in more},
     }
 
 

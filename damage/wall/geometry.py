@@ -166,11 +166,11 @@ def tributary_ends(joints):
 def _of_each_layer(joints):
     """`tributary_ends` of points with a `share` of the thickness, layer by layer at the same
     side."""
-    found = np.empty((len(joints), 2, 2))
+    ends = np.empty((len(joints), 2, 2))
     for layer in (-1, 0, 1):
         chosen = (np.sign(joints["y_m"]) == layer).to_numpy()
-        found[chosen] = tributary_ends(in_one_layer(joints[chosen]))
-    return found
+        ends[chosen] = tributary_ends(in_one_layer(joints[chosen]))
+    return ends
 
 
 def in_one_layer(joints):

@@ -320,12 +320,12 @@ class Layout:
         floor_shares: ((level [m], share [-]), ...), none for the top.  Raises InputError for a
         level that is neither a floor's nor the wall's.
         """
-        found = np.zeros(len(self.bodies))
+        shares = np.zeros(len(self.bodies))
         mass = self.bodies.mass
         for level, share in floor_shares or ((None, 1.0),):
             on = self.pushed_bodies if level is None else self._carries(level)
-            found[on] += share * mass[on] / total(mass[on])
-        return to_bits(found / total(found))
+            shares[on] += share * mass[on] / total(mass[on])
+        return to_bits(shares / total(shares))
 
     def _carries(self, level):
         """Indices of the bodies that carry the floors, or the top, at this level [m]."""
@@ -376,10 +376,10 @@ class Layout:
         """Coordinates whose velocity restraints prescribe, bool (n_bodies, 3)."""
         beam = self.bodies.course == CAP_COURSE
         top = top_of(self.wall)
-        found = np.repeat(self.bodies.course == SIDE_COURSE, 3).reshape(-1, 3)
+        held = np.repeat(self.bodies.course == SIDE_COURSE, 3).reshape(-1, 3)
         if top:
-            found[beam] = [top.stiffness is None, False, top.rotation == "fixed"]
-        return found
+            held[beam] = [top.stiffness is None, False, top.rotation == "fixed"]
+        return held
 
     @property
     def weighing(self) -> np.ndarray:

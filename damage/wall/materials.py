@@ -163,12 +163,12 @@ def masonry(
     >>> sorted(masonry("clay-standard", "waalformaat"))
     ['brick', 'joint']
     """
-    found = _named("material", material, MATERIALS)
+    properties = _named("material", material, MATERIALS)
     size = _named("brick format", brick_format, FORMATS)
     check_range("mortar [m]", mortar, 0.0, 0.05)
     check_number("wythes", wythes, "a whole number from 1 to 6", lambda value: value in range(1, 7))
     given = {
-        name: getattr(found, name)
+        name: getattr(properties, name)
         for name in (
             "tensile_strength",
             "cohesion",
@@ -176,7 +176,7 @@ def masonry(
             "mode_ii_fracture_energy",
         )
     }
-    given["friction_angle"] = float(atan(found.friction))
+    given["friction_angle"] = float(atan(properties.friction))
     unknown = sorted(set(joint) - set(Joint.__dataclass_fields__))
     if unknown:
         raise InputError(
@@ -190,7 +190,7 @@ def masonry(
             " paper's Table 1"
         )
     made = Joint(**given)
-    modulus = found.young_modulus if young_modulus is None else young_modulus
+    modulus = properties.young_modulus if young_modulus is None else young_modulus
     brick = brick_of_masonry(
         modulus,
         made,

@@ -576,26 +576,26 @@ class Wall:
 
 def _records(what, given, kind):
     """A tuple of records; InputError for anything else."""
-    found = tuple(given) if isinstance(given, (list, tuple)) else (given,)
-    for one in found:
+    records = tuple(given) if isinstance(given, (list, tuple)) else (given,)
+    for one in records:
         if not isinstance(one, kind):
             raise InputError(
                 f"{what} has {one!r}: expected {kind.__name__}(...) records in a list; correct it"
             )
-    return found
+    return records
 
 
 def _points(what, given):
     """Points (x, z) as a tuple of pairs of numbers; InputError for anything else."""
     try:
-        found = tuple((x, z) for x, z in given)
+        points = tuple((x, z) for x, z in given)
     except (TypeError, ValueError):
         raise InputError(
             f"{what} = {given!r}: expected points (x, z) in a list; correct it"
         ) from None
-    for value in (number for point in found for number in point):
+    for value in (number for point in points for number in point):
         check_range(what, value, -LONGEST_M, LONGEST_M)
-    return tuple((float(x), float(z)) for x, z in found)
+    return tuple((float(x), float(z)) for x, z in points)
 
 
 def _check_count(wall):

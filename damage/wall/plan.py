@@ -167,7 +167,7 @@ def plan_of(wall, options: ModelOptions | None = None) -> Plan:
 
 def _opening_places(wall, floors):
     """The OpeningPlace of every opening, in their order; a slab on an opening is its lintel."""
-    found = [
+    places = [
         OpeningPlace(
             opening.left,
             opening.right,
@@ -177,7 +177,7 @@ def _opening_places(wall, floors):
         )
         for opening in wall.openings
     ]
-    others = [*found, *(place for place in floors if place.floor.is_body)]
+    others = [*places, *(place for place in floors if place.floor.is_body)]
     return tuple(
         one._replace(
             spandrel=min(
@@ -194,7 +194,7 @@ def _opening_places(wall, floors):
                 default=wall.courses,
             )
         )
-        for one in found
+        for one in places
     )
 
 
@@ -224,7 +224,7 @@ def _lintel_places(brick, openings, runs):
     part of the course, or meets the lintel that is there.
     """
     length = brick.length
-    found = []
+    places = []
     for place in sorted(openings, key=lambda one: (one.left, one.first)):
         lintel = place.lintel
         wanted = lintel.courses(brick) if lintel.is_body else 0
@@ -238,8 +238,8 @@ def _lintel_places(brick, openings, runs):
         right = _bearing_end(length, place.right, bearing, run[1])
         if above - first < wanted or lintel.kind == "arch":
             height = (above - first) * brick.height
-        found.append([lintel, left, right, first, above, place, height, width])
-    for one, other in ((one, other) for k, one in enumerate(found) for other in found[k + 1 :]):
+        places.append([lintel, left, right, first, above, place, height, width])
+    for one, other in ((one, other) for k, one in enumerate(places) for other in places[k + 1 :]):
         apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
         if not apart and other[1] - one[2] < length / 2 - TINY:
             one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)
@@ -248,7 +248,7 @@ def _lintel_places(brick, openings, runs):
         LintelPlace(
             lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section
         )
-        for lintel, left, right, first, above, _, *section in found
+        for lintel, left, right, first, above, _, *section in places
     )
 
 
@@ -318,7 +318,7 @@ def _snapped(x, quarter, is_left):
 def _beside_all(courses, holes, half):
     """Parts (left, right) [m] that holes (left, right, first course, first above) leave of these
     parts of each course, if they are half a brick long or more."""
-    found = []
+    beside = []
     holes = sorted(holes)
     for course, parts in enumerate(courses):
         left_over = parts
@@ -330,10 +330,10 @@ def _beside_all(courses, holes, half):
                     for part in ((left, min(right, start)), (max(left, end), right))
                     if part[1] > part[0]
                 ]
-        found.append(
+        beside.append(
             tuple((left, right) for left, right in left_over if right - left > half - TINY)
         )
-    return tuple(found)
+    return tuple(beside)
 
 
 def _lay_run(length, offset, left, right):

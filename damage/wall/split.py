@@ -38,7 +38,7 @@ def beside_cuts(contacts):
         }
         for side in ("first", "second")
     }
-    found = np.full((len(splits), 4), -1)
+    neighbours = np.full((len(splits), 4), -1)
     for k, cut in enumerate(splits):
         faces = (
             rows[side][body]
@@ -47,8 +47,10 @@ def beside_cuts(contacts):
         )
         for face, points in enumerate(faces):
             if len(points):
-                found[k, face] = points[np.argmin(np.abs(contacts.x[points] - contacts.x[cut]))]
-    return splits, found
+                neighbours[k, face] = points[
+                    np.argmin(np.abs(contacts.x[points] - contacts.x[cut]))
+                ]
+    return splits, neighbours
 
 
 def can_split(brick, length):

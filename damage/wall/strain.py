@@ -123,11 +123,11 @@ def brick_modes(brick, length, order=ORDER):
     vectors = []
     for of in ((0, 0), (0, 1), (1, 0), (1, 1)):
         own = [k for k in strains if tuple(parity[k]) == of]
-        found, of_own = eigen(matrix[np.ix_(own, own)])
+        eigenvalues, of_own = eigen(matrix[np.ix_(own, own)])
         whole = np.zeros((2 * n, len(own)))
         whole[own] = of_own
         whole[along_x], whole[along_z] = turn[3] * whole[along_z], turn[2] * whole[along_z]
-        squares.append(found)
+        squares.append(eigenvalues)
         vectors.append(whole)
     frequency = np.sqrt(np.concatenate(squares))
     vectors = np.hstack(vectors)
@@ -153,11 +153,11 @@ def stress_by_modes(layout):
     corners, counter-clockwise from the lower left, by a unit of each mode: (n_bodies, 5, 3,
     n_modes) [Pa/(m sqrt(kg))], zero of caps."""
     places = np.array([(0.0, 0.0), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
-    found = np.zeros((len(layout.bodies), len(places), 3, layout.strain.n_modes))
+    stress = np.zeros((len(layout.bodies), len(places), 3, layout.strain.n_modes))
     for brick in range(layout.n_bricks):
         modes = modes_of(layout, brick)
-        found[brick] = modes.stress(*(places * (modes.length, modes.height)).T)
-    return found
+        stress[brick] = modes.stress(*(places * (modes.length, modes.height)).T)
+    return stress
 
 
 def modes_of(layout, brick):

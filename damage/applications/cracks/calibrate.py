@@ -115,19 +115,19 @@ def calibrated(tests):
     """
     triplets = tests[tests["shear_stress_mpa"].notna()]
     couplets = tests[tests["shear_stress_mpa"].isna()]
-    found = {
+    values = {
         "normal_stiffness": _stiffness(couplets, "normal_stress_mpa", "opening_mm"),
         "shear_stiffness": _stiffness(triplets, "shear_stress_mpa", "slip_mm"),
     }
-    found = {name: one for name, one in found.items() if one}
+    values = {name: one for name, one in values.items() if one}
     notes = []
     if len(triplets):
         line, notes = _mohr_coulomb(triplets)
-        found |= line
-    return {**found, "notes": [*notes, *_implausible(found)]}
+        values |= line
+    return {**values, "notes": [*notes, *_implausible(values)]}
 
 
-def _implausible(found):
+def _implausible(values):
     """Lines on values below zero or outside the plausible values of a Joint, which a wall file with
     them would be refused for."""
     ranges = ranges_of(Joint)
@@ -135,7 +135,7 @@ def _implausible(found):
     ranges["Joint.friction"] = angle._replace(
         least=math.tan(angle.least), most=math.tan(angle.most), unit="[-]"
     )
-    for name, one in found.items():
+    for name, one in values.items():
         value = one["value"]
         least, most, unit, *_ = ranges[f"Joint.{name}"]
         if value < 0:
@@ -214,10 +214,10 @@ def _value(value, standard_error, scatter, specimens):
     }
 
 
-def describe(found):
+def describe(values):
     """Text of what `calibrated` found: the table [joint] of a wall file."""
     lines = ["[joint]"]
-    for name, one in found.items():
+    for name, one in values.items():
         if name == "notes":
             continue
         error = one["standard_error"]
@@ -228,7 +228,7 @@ def describe(found):
         if "characteristic" in one:
             said.append(f"characteristic {one['characteristic']:.3g}")
         lines.append(f"{name} = {one['value']:.4g}".ljust(34) + f"# {', '.join(said)}")
-    if "cohesion" in found:
-        scatter = found["cohesion"]["scatter"]
+    if "cohesion" in values:
+        scatter = values["cohesion"]["scatter"]
         lines.append(f"# strengths of a wall's joints: --strength-cov {scatter:.2g}")
-    return "\n".join([*lines, *(f"# note: {note}" for note in found["notes"])])
+    return "\n".join([*lines, *(f"# note: {note}" for note in values["notes"])])

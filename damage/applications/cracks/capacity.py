@@ -135,11 +135,11 @@ def bilinear(curve: pd.DataFrame, height: float) -> dict[str, float]:
     )
     area = mean_force(curve, ultimate) * ultimate * height
     root = max(0.0, (ultimate * height) ** 2 - 2 * area / stiffness)
-    found = float(stiffness * (ultimate * height - np.sqrt(root)))
+    yield_force = float(stiffness * (ultimate * height - np.sqrt(root)))
     return {
         "stiffness_n_per_m": float(stiffness),
-        "force_n": found,
-        "elastic_drift": found / float(stiffness * height),
+        "force_n": yield_force,
+        "elastic_drift": yield_force / float(stiffness * height),
         "ultimate_drift": float(ultimate),
         "energy_j": float(area),
     }
@@ -182,12 +182,12 @@ def capacity(history: History, to: float | None = None) -> dict:
     height = history.attributes["drift_height_m"]
     curves = loaded_curves(history).values()
     lines = [bilinear(curve, height) for curve in curves]
-    found = {name: float(np.mean([line[name] for line in lines])) for name in lines[0]}
+    means = {name: float(np.mean([line[name] for line in lines])) for name in lines[0]}
     peaks = np.mean(
         [curve.loc[curve["force_n"].idxmax(), ["force_n", "drift_ratio"]] for curve in curves],
         axis=0,
     )
-    to = to or found["ultimate_drift"]
+    to = to or means["ultimate_drift"]
     farthest = min(float(curve["drift_ratio"].max()) for curve in curves)
     forces = [
         (mean_force(curve, to), np.interp(to, curve["drift_ratio"], curve["force_n"]))
@@ -198,12 +198,12 @@ def capacity(history: History, to: float | None = None) -> dict:
     return {
         "peak_force_n": float(peaks[0]),
         "drift_at_peak": float(peaks[1]),
-        **found,
+        **means,
         "to": to,
         **dict(zip(("mean_force_n", "left_n"), there)),
         "farthest_drift": farthest,
-        "ended": found["ultimate_drift"] <= FAR_ENOUGH * farthest,
-        "failure": mode_shares(history, until=found["ultimate_drift"]),
+        "ended": means["ultimate_drift"] <= FAR_ENOUGH * farthest,
+        "failure": mode_shares(history, until=means["ultimate_drift"]),
         "ultimate_drift_note": ULTIMATE_DRIFT_NOTE,
     }
 

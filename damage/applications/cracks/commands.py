@@ -189,7 +189,7 @@ def _compare_survey(asked, paths):
             f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "
             "correct it"
         )
-    found = []
+    comparisons = []
     for history in map(read_history, runs):
         history.check_one_layer()
         layout = lay_out(history.masonry_wall, history.model)
@@ -201,12 +201,12 @@ def _compare_survey(asked, paths):
         survey = read_survey(surveys[0], layout)
         opening = history.opening_m[-1]
         offset = history.slip_by("displacement")[-1]
-        found.append({"run": str(history.path)} | beside(survey, opening, offset, layout))
+        comparisons.append({"run": str(history.path)} | beside(survey, opening, offset, layout))
     show(
         asked,
-        found,
-        lambda found: "\n".join(
-            line for one in found for line in (one["run"], *describe_beside(one))
+        comparisons,
+        lambda comparisons: "\n".join(
+            line for one in comparisons for line in (one["run"], *describe_beside(one))
         ),
     )
 

@@ -374,8 +374,9 @@ def levels_of(table):
         return np.ones(len(table.rows))
     table.refuse_empty("load_level")
     level = table.rows["load_level"].to_numpy()
-    if (found := len(set(level))) > MOST_LEVELS:
+    if (level_count := len(set(level))) > MOST_LEVELS:
         raise InputError(
-            f"{table.path} has {found} load levels: expected up to {MOST_LEVELS}; take some out"
+            f"{table.path} has {level_count} load levels: expected up to {MOST_LEVELS};"
+            " take some out"
         )
     return level

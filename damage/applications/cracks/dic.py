@@ -247,7 +247,7 @@ def measure(fields, layout, margin=MARGIN):
 def field_warnings(fields, measured, layout, margin=MARGIN):
     """Lines on what of fields is doubtful: points beside the wall, z that points down, a lowest
     course that moves as one, and points kept as zero that the correlation lost."""
-    found = []
+    warnings = []
     for field, level in zip(fields, measured):
         texts = [
             implausible_points(field.points, layout.wall),
@@ -255,8 +255,8 @@ def field_warnings(fields, measured, layout, margin=MARGIN):
             _moving_base(field, level, layout, margin),
             _stuck(field, layout, margin),
         ]
-        found += [f"load level {field.level:g}: {text}" for text in texts if text]
-    return found
+        warnings += [f"load level {field.level:g}: {text}" for text in texts if text]
+    return warnings
 
 
 def _unseen(level, layout):
@@ -322,7 +322,7 @@ def stuck_points(field, layout, margin=MARGIN):
     """Indices of points whose displacement is zero, while that of their brick by its other points
     is not."""
     zero = ~field.displacement.any(axis=1)
-    found = [np.zeros(0, int)]
+    stuck = [np.zeros(0, int)]
     for _, inside in points_of_bricks(field.points, layout, margin):
         still = inside[zero[inside]]
         others = inside[~zero[inside]]
@@ -331,8 +331,8 @@ def stuck_points(field, layout, margin=MARGIN):
         mean, turn = rigid_motion(field.points[others], field.displacement[others])
         moved = mean + turned(field.points[inside] - field.points[others].mean(axis=0), turn)
         noise = np.median(np.hypot(*(moved - field.displacement[inside])[~zero[inside]].T))
-        found.append(still[np.hypot(*moved[zero[inside]].T) > max(STUCK * noise, MOVES_M)])
-    return np.sort(np.concatenate(found))
+        stuck.append(still[np.hypot(*moved[zero[inside]].T) > max(STUCK * noise, MOVES_M)])
+    return np.sort(np.concatenate(stuck))
 
 
 def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):

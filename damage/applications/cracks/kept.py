@@ -98,9 +98,9 @@ def read_patterns(path, sha256):
     InputError where the file is missing or has another."""
     path = check_file(path, "the patterns of a run (.npz)")
     content = path.read_bytes()
-    if (found := hashlib.sha256(content).hexdigest()) != sha256:
+    if (digest := hashlib.sha256(content).hexdigest()) != sha256:
         raise InputError(
-            f"{path} is not what its run wrote: SHA-256 {found[:12]}, expected {str(sha256)[:12]}"
+            f"{path} is not what its run wrote: SHA-256 {digest[:12]}, expected {str(sha256)[:12]}"
             f" by the run's record; {_REMEDY}"
         )
     with np.load(io.BytesIO(content), allow_pickle=False) as archive:

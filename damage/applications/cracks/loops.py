@@ -103,7 +103,7 @@ def read_loops(path):
     """Measures of the loops of a file, a list of {"loop": name, **LOOP}.  Raises InputError where
     a loop is not closed or runs backwards; warns of forces and drifts that no wall has."""
     table = read_csv(path, LOOP_FILE, tuple(LOOP_FILE))
-    found = []
+    loops = []
     table.refuse_empty(*LOOP_FILE)
     for name, points in table.rows.groupby("loop", sort=False):
         first = points.index[0]
@@ -125,11 +125,11 @@ def read_loops(path):
                 f"loop {name} gains {-row['dissipated_j']:.3g} J; expected its points in the order"
                 " of loading and forces positive as the drift; turn them round",
             )
-        found.append(row)
+        loops.append(row)
     points = table.rows[["force_kn", "drift_pct"]].abs()
     drifts_pct = points["drift_pct"].groupby(table.rows["loop"]).max()
     odd = implausible_loops(
         float(points["force_kn"].max()), drifts_pct, float(table.rows["height_m"].iloc[0])
     )
     warn(*(f"{path}: {message}" for message in odd))
-    return found
+    return loops

@@ -92,8 +92,8 @@ class LaboratoryTest:
             "force_n": self.bilinear_force_n,
             "mean_force_n": self.energy_j / self.ultimate_drift / self.height,
         }
-        found = {name: float(np.mean(pair)) for name, pair in pairs.items()}
-        return found | {"left_n": capacity.ULTIMATE_SHARE * found["peak_force_n"]}
+        means = {name: float(np.mean(pair)) for name, pair in pairs.items()}
+        return means | {"left_n": capacity.ULTIMATE_SHARE * means["peak_force_n"]}
 
 
 def read_test(specimen):
@@ -149,19 +149,19 @@ def figures(history, to=None):
     loading; measured: of the test that it models; None where there is no figure.  to: the drift [-]
     of mean forces, None for the test's ultimate drift, without a test the run's."""
     test, measured, to = _measured(history, to)
-    found = capacity.capacity(history, to)
+    means = capacity.capacity(history, to)
     initial = first_loading(history)["initial_stiffness_n_per_m"]
-    shares = found["failure"]
+    shares = means["failure"]
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
         words = _words(name, to) + (
-            ", not reached: over" if name == "ultimate_drift" and not found["ended"] else ""
+            ", not reached: over" if name == "ultimate_drift" and not means["ended"] else ""
         )
         rows.append(
             (
                 words,
                 unit,
-                *(None if one is None else one / size for one in (found[name], measured.get(name))),
+                *(None if one is None else one / size for one in (means[name], measured.get(name))),
             )
         )
     crack = capacity.drift_at_first_crack(history)
@@ -185,7 +185,7 @@ def pushed_report(history, to=None, tested_loops=()):
     tested_loops: of `read_loops`, beside which energy and damping of the cycles are put."""
     height = history.attributes["drift_height_m"]
     table = capacity.cycles_table(history)
-    found = capacity.capacity(history, to)
+    means = capacity.capacity(history, to)
     if tested_loops and table.empty:
         raise InputError(
             f"{history.path} has no whole cycle to put beside a test; expected a run of --cyclic"
@@ -203,9 +203,9 @@ def pushed_report(history, to=None, tested_loops=()):
             side: capacity.bilinear(curve, height)
             for side, curve in capacity.loaded_curves(history).items()
         },
-        "ultimate_drift_note": found["ultimate_drift_note"],
+        "ultimate_drift_note": means["ultimate_drift_note"],
         "first_crack_drift": capacity.drift_at_first_crack(history),
-        "failure": found["failure"],
+        "failure": means["failure"],
         "by_hand_n": capacity.hand_capacities(history),
         "figures": [
             dict(zip(("figure", "unit", "simulated", "measured"), row))
@@ -274,11 +274,11 @@ def draws_report(histories, to=None):
             )
         drawn[draw] = history.path
     test, measured, to = _measured(first, to)
-    found = [capacity.capacity(history, to) for history in histories]
+    draws = [capacity.capacity(history, to) for history in histories]
     rows = []
     for name, (_, unit, size) in FIGURES.items():
-        values = [one[name] / size for one in found if one[name] is not None]
-        whole = len(values) == len(found)
+        values = [one[name] / size for one in draws if one[name] is not None]
+        whole = len(values) == len(draws)
         low, middle, high = drawn_range(values) if whole else [None] * 3
         rows.append(
             {
@@ -294,20 +294,20 @@ def draws_report(histories, to=None):
     return {
         "wall": first.wall,
         "motion": first.loading.name,
-        "draws": len(found),
+        "draws": len(draws),
         "test": test and test.specimen,
         "figures": rows,
-        "ultimate_drift_note": found[0]["ultimate_drift_note"],
-        "not_ended": sum(not one["ended"] for one in found),
-        "failure": dict(Counter(one["failure"]["mode"] or "none" for one in found).most_common()),
+        "ultimate_drift_note": draws[0]["ultimate_drift_note"],
+        "not_ended": sum(not one["ended"] for one in draws),
+        "failure": dict(Counter(one["failure"]["mode"] or "none" for one in draws).most_common()),
         "failure_measured": test and test.mode,
     }
 
 
-def describe_draws(found):
+def describe_draws(report):
     """A `draws_report` as lines for people."""
     lines = [
-        f"{found['wall']} / {found['motion']}: {found['draws']} draws",
+        f"{report['wall']} / {report['motion']}: {report['draws']} draws",
         f"{'':42s}{'median':>10s}{'5 %':>10s}{'95 %':>10s}{'measured':>10s}{'draws needed':>14s}",
     ]
     lines += [
@@ -317,45 +317,45 @@ def describe_draws(found):
             for name in ("median", "quantile_05", "quantile_95", "measured")
         )
         + f"{_shown(row['draws_needed']):>14s}"
-        + _note(found, row)
-        for row in found["figures"]
+        + _note(report, row)
+        for row in report["figures"]
     ]
     lines.append(
         "failure mode at the ultimate drift: "
-        + ", ".join(f"{mode} in {count}" for mode, count in found["failure"].items())
-        + (f"; in the test {found['failure_measured']}" if found["failure_measured"] else "")
+        + ", ".join(f"{mode} in {count}" for mode, count in report["failure"].items())
+        + (f"; in the test {report['failure_measured']}" if report["failure_measured"] else "")
     )
-    if found["not_ended"]:
+    if report["not_ended"]:
         lines.append(
-            f"{found['not_ended']} of {found['draws']} kept 0.8 of the peak to the end: their"
+            f"{report['not_ended']} of {report['draws']} kept 0.8 of the peak to the end: their"
             " ultimate drift is the largest one"
         )
     return "\n".join([*lines, "draws needed: for the median within 5 %"])
 
 
-def describe(found):
+def describe(report):
     """A `pushed_report` as lines for people."""
     lines = [
-        f"{found['wall']} / {found['motion']} / {found['solver']}: {found['status']}; slip by"
-        f" {found['slip']}"
+        f"{report['wall']} / {report['motion']} / {report['solver']}: {report['status']}; slip by"
+        f" {report['slip']}"
     ]
-    if found["cycles"]:
+    if report["cycles"]:
         lines += [
             "cycles",
-            *_loop_lines(found["cycles"], "amplitude_pct", "DI_at_max", "DI_at_min"),
+            *_loop_lines(report["cycles"], "amplitude_pct", "DI_at_max", "DI_at_min"),
         ]
-    if found["tested_loops"]:
+    if report["tested_loops"]:
         more = "run_dissipated_j", "run_equivalent_damping"
-        lines += ["loops of the test", *_loop_lines(found["tested_loops"], "loop", *more)]
-    for side, line in found["bilinear"].items():
+        lines += ["loops of the test", *_loop_lines(report["tested_loops"], "loop", *more)]
+    for side, line in report["bilinear"].items():
         lines.append(
             f"bilinear, {side}: {line['stiffness_n_per_m'] / 1e6:.1f} kN/mm,"
             f" {line['force_n'] / 1e3:.1f} kN, to an ultimate drift of"
-            f" {100 * line['ultimate_drift']:.3f} % ({found['ultimate_drift_note']})"
+            f" {100 * line['ultimate_drift']:.3f} % ({report['ultimate_drift_note']})"
         )
-    failure = found["failure"]
+    failure = report["failure"]
     hand = ", ".join(
-        f"{name.replace('_', ' ')} {force / 1e3:.0f}" for name, force in found["by_hand_n"].items()
+        f"{name.replace('_', ' ')} {force / 1e3:.0f}" for name, force in report["by_hand_n"].items()
     )
     lines += [f"by hand [kN]: {hand}"] if hand else []
     lines.append(
@@ -364,24 +364,24 @@ def describe(found):
         f"{100 * failure['stair_share']:.0f} % of that on stairs"
     )
     lines.append(
-        f"{'beside the test ' + found['test'] if found['test'] else '':42s}{'simulated':>12s}"
-        + f"{'measured':>12s}" * bool(found["test"])
+        f"{'beside the test ' + report['test'] if report['test'] else '':42s}{'simulated':>12s}"
+        + f"{'measured':>12s}" * bool(report["test"])
     )
     lines += [
         f"{', '.join(filter(None, (row['figure'], row['unit']))):42s}"
         f"{_shown(row['simulated']):>12s}"
-        + f"  {_shown(row['measured']):>10s}" * bool(found["test"])
-        + _note(found, row)
-        for row in found["figures"]
+        + f"  {_shown(row['measured']):>10s}" * bool(report["test"])
+        + _note(report, row)
+        for row in report["figures"]
     ]
     return "\n".join(lines)
 
 
-def _note(found, row):
+def _note(report, row):
     """The end of the line of a row of figures of a report: of the ultimate drift how far it was
     off."""
     is_ultimate = row["figure"].startswith("ultimate drift")
-    return f"  ({found['ultimate_drift_note']})" * is_ultimate
+    return f"  ({report['ultimate_drift_note']})" * is_ultimate
 
 
 def _loop_lines(rows, label, *more):
@@ -390,9 +390,9 @@ def _loop_lines(rows, label, *more):
     return table.to_string(index=False, float_format="{:.4g}".format).splitlines()
 
 
-def describe_loops(found):
+def describe_loops(report):
     """Loops of `read_loops` as lines for people."""
-    return "\n".join(_loop_lines(found, "loop"))
+    return "\n".join(_loop_lines(report, "loop"))
 
 
 def _shown(value):

@@ -135,15 +135,17 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
     stretch = paths.table["stretch"].to_numpy(int)
     # of a width alone all is opening
     opening_m = parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)
-    found = paths.table[["joint", "length_m"]].assign(
+    segments = paths.table[["joint", "length_m"]].assign(
         crack=parts["crack"].to_numpy()[stretch],
         width_m=parts["width_m"].to_numpy(float)[stretch],
         opening_m=opening_m[stretch] * paths.table["across"],
         offset=offset[stretch],
     )
-    found["slip_m"] = np.sqrt(np.maximum(found["width_m"] ** 2 - found["opening_m"] ** 2, 0.0))
-    found = (
-        found.sort_values("width_m", ascending=False, kind="stable")
+    segments["slip_m"] = np.sqrt(
+        np.maximum(segments["width_m"] ** 2 - segments["opening_m"] ** 2, 0.0)
+    )
+    segments = (
+        segments.sort_values("width_m", ascending=False, kind="stable")
         .drop_duplicates("joint")
         .sort_values("joint", ignore_index=True)
     )
@@ -155,12 +157,12 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
         file,
         sha256,
         pattern,
-        found,
+        segments,
         wall.n_joints,
         paths.share,
         paths.apart_m,
         *known,
-        _looked_at(pattern.clear, found["joint"], wall),
+        _looked_at(pattern.clear, segments["joint"], wall),
         tuple(_assumed(pattern, known)),
     )
 
@@ -408,10 +410,10 @@ def on_joints(survey):
     )
 
 
-def describe_beside(found):
+def describe_beside(comparison):
     """The result of `beside` as lines."""
-    survey = found["survey"]
-    positions = found["positions"]
+    survey = comparison["survey"]
+    positions = comparison["positions"]
     shares = [
         "-" if positions[name] is None else f"{100 * positions[name]:.0f} %"
         for name in ("of_survey", "of_run")
@@ -422,13 +424,13 @@ def describe_beside(found):
         f"{'':16}{'survey':>10}{'run':>10}",
         *(
             f"{name:16}{here:>10.3g}{there:>10.3g}"
-            for name, (here, there) in found["widths"].items()
+            for name, (here, there) in comparison["widths"].items()
         ),
-        f"pattern of visible cracks: {in_words(found['pattern'])}",
+        f"pattern of visible cracks: {in_words(comparison['pattern'])}",
         (
             f"positions: {shares[0]} of the survey's length has a crack of the run within "
             f"{1e3 * positions['within_m']:.0f} mm, {shares[1]} of the run's one of the survey"
         ),
-        f"distance {found['distance']:.2f} (0: as the survey, 1: nothing at the same place)",
+        f"distance {comparison['distance']:.2f} (0: as the survey, 1: nothing at the same place)",
         *(f"note: {note}" for note in survey["notes"]),
     ]

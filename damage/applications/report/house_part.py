@@ -10,7 +10,7 @@ from damage.measure.results import CORNERS, WALLS, result_of, value_in
 def house_part(history, summaries):
     """Everything about the History of a house, a dictionary for the page; summaries: {name of a
     wall: `damage.measure.summary.summarise`}."""
-    found = house_summary(history, summaries)
+    summary = house_summary(history, summaries)
     pictures = (
         (
             elevation_picture(history),
@@ -31,7 +31,7 @@ def house_part(history, summaries):
     return {
         "title": run_title(history),
         "file": history.path.name,
-        "status": found["status"],
+        "status": summary["status"],
         "heads": [result_of(column).heading for column in WALLS],
         "walls": [
             (name, [_cell(result_of(column), value_in(one, column)) for column in WALLS])
@@ -40,7 +40,7 @@ def house_part(history, summaries):
         "corner_heads": [result.heading for result in CORNERS.values()],
         "corners": [
             (name, [_cell(result, one[key]) for key, result in CORNERS.items()])
-            for name, one in found["corners"].items()
+            for name, one in summary["corners"].items()
         ],
         "pictures": [
             (as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures

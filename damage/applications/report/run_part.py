@@ -186,16 +186,18 @@ def drawn(history, index):
 def _lines(history, index):
     """{"time_s" and names of SERIES: (n_times,)} in the units of the drawings."""
     series = history.series
-    found = {
+    columns = {
         "time_s": series["time_s"],
         "base_shear_kn": series["base_shear_n"] / 1e3,
         **{f"base_{axis}_g": series[f"base_acceleration_{axis}_m_s2"] / GRAVITY for axis in "xz"},
         **energy_groups(series),
     }
-    found |= {
-        name: index[name] if name in index else series[name] for name in SERIES if name not in found
+    columns |= {
+        name: index[name] if name in index else series[name]
+        for name in SERIES
+        if name not in columns
     }
-    return {name: np.asarray(values) for name, values in found.items()}
+    return {name: np.asarray(values) for name, values in columns.items()}
 
 
 def _moving_wall(history, chosen):
@@ -315,7 +317,7 @@ def special_samples(history, index):
     series = history.series
     time_s = history.series["time_s"].to_numpy()
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
-    found = [
+    samples = [
         0,
         len(time_s) - 1,
         *(np.argmax(index[name]) for name in COMPONENTS),
@@ -328,8 +330,8 @@ def special_samples(history, index):
         ),
     ]
     moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
-    found += [np.argmin(np.abs(time_s - moment)) for moment in moments if moment is not None]
-    return np.array(found)
+    samples += [np.argmin(np.abs(time_s - moment)) for moment in moments if moment is not None]
+    return np.array(samples)
 
 
 def points(lines, needed):

@@ -105,13 +105,13 @@ FIGURE_WORDS = {
 def studies_below(folder):
     """Folders of the studies in or below a folder, those with tables; InputError where there are
     none."""
-    found = sorted(path.parents[1] for path in folder.rglob("tables/summary.csv"))
-    if not found:
+    studies = sorted(path.parents[1] for path in folder.rglob("tables/summary.csv"))
+    if not studies:
         raise InputError(
             f"{folder}: no tables/summary.csv in it or below it; expected a history (.h5) or the"
             f" folder of a study; {unfinished(folder) or 'give one, as ./run_all.sh makes it'}"
         )
-    return found
+    return studies
 
 
 def runs_of(folder):
@@ -240,7 +240,7 @@ def _motion(row):
 def cracked_walls(folder, summary, points):
     """({number of a point: its first run's wall at the largest DI, PNG in base64}, why histories
     cannot be read), as many as MOST_WALLS_MB holds, the largest damage first."""
-    found = {}
+    pictures = {}
     unread = []
     left = MOST_WALLS_MB * 1e6
     damage = points.reindex(columns=["max_DI"])["max_DI"].astype(float).fillna(0.0)
@@ -255,9 +255,9 @@ def cracked_walls(folder, summary, points):
             unread.append(f"cannot be read: {error}")
             continue
         figure.suptitle("")  # the page says what it is
-        found[int(number)] = as_png(figure, 80)
-        left -= len(found[int(number)])
-    return found, unread
+        pictures[int(number)] = as_png(figure, 80)
+        left -= len(pictures[int(number)])
+    return pictures, unread
 
 
 def charts(points, alike, chosen=None):
@@ -411,8 +411,8 @@ def figure_words(name):
     >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
     ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
     """
-    found = next((words for start, words in FIGURE_WORDS.items() if name.startswith(start)), None)
-    return f"{found} ({name})" if found else f"Figure {name}"
+    caption = next((words for start, words in FIGURE_WORDS.items() if name.startswith(start)), None)
+    return f"{caption} ({name})" if caption else f"Figure {name}"
 
 
 # --- fragility, documents -------------------------------------------------------------------------

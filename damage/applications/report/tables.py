@@ -71,7 +71,7 @@ def measures(parts):
     but the first]}, a cell (text, the whole number or None).
     """
     rows = [part["row"] for part in parts]
-    found = [
+    sections = [
         (
             section,
             [
@@ -83,7 +83,7 @@ def measures(parts):
         )
         for section, columns in SECTIONS.items()
     ]
-    return [(section, rows) for section, rows in found if rows]
+    return [(section, rows) for section, rows in sections if rows]
 
 
 def _row(name, values):

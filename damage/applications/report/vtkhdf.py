@@ -182,8 +182,10 @@ class WallCells:
     def snapshot_of(self):
         """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then
         drawn at rest."""
-        found = [nearest_snapshot(self.history, time_s) for time_s in self.history.series["time_s"]]
-        return np.array([-1 if one is None else one for one in found])
+        nearest = [
+            nearest_snapshot(self.history, time_s) for time_s in self.history.series["time_s"]
+        ]
+        return np.array([-1 if one is None else one for one in nearest])
 
     def displacement(self, snapshot):
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
@@ -321,13 +323,13 @@ class HouseCells(WallCells):
     def numbers(self):
         """As of WallCells, but the index, its components, drift along and displacement across of
         each wall, under its name."""
-        found = self.history.series[list(SERIES)].reset_index(drop=True)
+        columns = self.history.series[list(SERIES)].reset_index(drop=True)
         for part in self.history.parts:
             index = part.index().drop(columns=["time_s", "drift_over_limit"])
             index["drift_ratio"] = part.series["drift_ratio"].to_numpy()
             index["across_m"] = part.house.across_m[:, 0]
-            found = found.join(index.add_suffix(f"_{part.wall}"))
-        return found.assign(snapshot_time_s=self._shown_s())
+            columns = columns.join(index.add_suffix(f"_{part.wall}"))
+        return columns.assign(snapshot_time_s=self._shown_s())
 
     def _placed(self, snapshot):
         """Points in the house in a snapshot, (n_points, 3) [m]; -1: at rest."""

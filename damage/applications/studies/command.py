@@ -124,10 +124,10 @@ def parse(words):
 
 
 def _slice(word):
-    found = re.fullmatch(r"([1-9]\d{0,4})/([1-9]\d{0,4})", word)
-    if not found or int(found[1]) > int(found[2]):
+    match = re.fullmatch(r"([1-9]\d{0,4})/([1-9]\d{0,4})", word)
+    if not match or int(match[1]) > int(match[2]):
         raise ArgumentTypeError(f"{word}: expected K/N with K from 1 to N, as 2/8; correct it")
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])
 
 
 def study_path(word):

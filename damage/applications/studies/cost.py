@@ -45,11 +45,11 @@ def size_of(run):
     settings = [run.settings(ROOT, number) for number in range(1, lives + 1)]
     layout, time_step, scaling = _built(run, settings[0])
     interval = sample_steps(time_step, scaling)
-    found = [stages(setting, layout, time_step, interval) for setting in settings]
-    steps = sum(one[-1].end_step for one in found) / lives
+    schedules = [stages(setting, layout, time_step, interval) for setting in settings]
+    steps = sum(one[-1].end_step for one in schedules) / lives
     more = settlement_work(layout.n_joints) - 1.0 if run.solver == "reference" else 0.0
     by = SCALED if scaling == SELECTIVE else 1.0
-    return layout.n_joints, steps, by * (steps + more * zero_step(found[0]))
+    return layout.n_joints, steps, by * (steps + more * zero_step(schedules[0]))
 
 
 _BUILT = {}

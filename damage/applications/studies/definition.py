@@ -516,8 +516,8 @@ def _find(where, folder, root, *paths):
         check_path(path)
         for candidate in _candidates(path, folder, root):
             if is_there(candidate):
-                found = candidate.resolve()
-                return str(found.relative_to(root) if found.is_relative_to(root) else found)
+                whole = candidate.resolve()
+                return str(whole.relative_to(root) if whole.is_relative_to(root) else whole)
     known = [*shipped_walls(), *shipped_records()]
     raise InputError(
         f"{where}: no file {' or '.join(paths)}; expected one beside the study or in the"

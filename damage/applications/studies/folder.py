@@ -170,12 +170,12 @@ def open_records(path):
 
 def _name_in(path):
     """The name in a study file that a batch kept, None where there is none."""
-    found = (
+    match = (
         re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text("utf-8", "replace"), re.MULTILINE)
         if path.is_file()
         else None
     )
-    return found and found[1]
+    return match and match[1]
 
 
 def open_log(path, mode="wb"):
@@ -250,10 +250,10 @@ def is_short(folder):
 def shortage(folder):
     """Free and needed disk space of a study, in words."""
     free = shutil.disk_usage(folder).free
-    found = (
+    shortage = (
         f"has {free / 1e6:.2g} MB free:" if free < LEAST_FREE else "had no room left while it ran,"
     )
-    return f"{folder} {found} expected {LEAST_FREE / 1e6:g} MB or more; make room"
+    return f"{folder} {shortage} expected {LEAST_FREE / 1e6:g} MB or more; make room"
 
 
 def plain_file(path, flags):

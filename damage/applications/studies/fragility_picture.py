@@ -133,11 +133,11 @@ def draw_shares(ax, exceed, intensity, style):
 def _bands(one, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that there are."""
     new = one.new_record
-    found = {
+    bands = {
         "new record": new.bounds(x) if new else None,
         "mean curve": one.bounds(x),
     }
-    return {kind: bounds for kind, bounds in found.items() if bounds is not None}
+    return {kind: bounds for kind, bounds in bands.items() if bounds is not None}
 
 
 def _draw(ax, x, runs, one, style, intensity):

@@ -18,10 +18,10 @@ def _spread(history):
     return None if table is None else spread(table)
 
 
-def _described(found):
+def _described(spread):
     from damage.applications.studies.spread import describe_spread
 
-    return describe_spread(found)
+    return describe_spread(spread)
 
 
 RUN_MEMBERS.append(_run_members)

@@ -103,18 +103,18 @@ def key_of(content):
 
 def read_records(folder):
     """The Records of a study's folder."""
-    found = Records()
+    records = Records()
     sources = sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
     for path in sources:
-        _read_file(path, found)
-    found.orderly &= not found.faults and [path.name for path in sources] in ([], [NAME])
-    return found
+        _read_file(path, records)
+    records.orderly &= not records.faults and [path.name for path in sources] in ([], [NAME])
+    return records
 
 
-def _read_file(path, found):
+def _read_file(path, records):
     """Add what a file of records says."""
     *lines, torn = path.read_text(encoding="utf-8", errors="replace").split("\n")
-    found.orderly &= not torn
+    records.orderly &= not torn
     for number, line in enumerate([*lines, torn], start=1):
         if not line.rstrip().endswith("}"):  # empty, or torn
             continue
@@ -122,16 +122,16 @@ def _read_file(path, found):
             record = _believed(line)
         except ValueError as error:
             name = _NAMED.search(line)
-            found.faults.append(
+            records.faults.append(
                 f"{path} line {number}: the record of {name[1] if name else 'a run'} was changed"
                 f" since it was written ({error}): it counts as not made"
             )
             continue
         if "run" in record:
-            found.runs[record["run"]] = {"inputs": None} | record
+            records.runs[record["run"]] = {"inputs": None} | record
         else:
-            found.inputs[record["inputs"]] = record["of"]
-            found.points |= {record["point"]: record["inputs"]} if record["point"] else {}
+            records.inputs[record["inputs"]] = record["of"]
+            records.points |= {record["point"]: record["inputs"]} if record["point"] else {}
 
 
 def point_of(name):

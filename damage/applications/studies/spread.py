@@ -88,6 +88,6 @@ def members_in_words(spread, name):
     """Text: median and range of one column of KEY, with its unit; spread: the result of
     `spread`."""
     result = result_of(name)
-    found = spread[name]
-    middle, least, most = (result.shown(found[kind]) for kind in ("median", "min", "max"))
+    interval = spread[name]
+    middle, least, most = (result.shown(interval[kind]) for kind in ("median", "min", "max"))
     return f"{middle} ({least} to {most}) {result.unit}".rstrip()

@@ -66,13 +66,13 @@ def parse_state(text):
     >>> parse_state("moderate: max_psi > 2")
     State(measure='max_psi', level=2.0, name='moderate')
     """
-    found = _STATE.fullmatch(text.strip())
-    if not found:
+    match = _STATE.fullmatch(text.strip())
+    if not match:
         raise InputError(
             f"damage state {text!r}: expected COLUMN > LEVEL or NAME: COLUMN > LEVEL, as "
             '"moderate: max_psi > 2"; correct it'
         )
-    name, measure, level = ((found[key] or "").strip() for key in ("name", "measure", "level"))
+    name, measure, level = ((match[key] or "").strip() for key in ("name", "measure", "level"))
     try:
         number = float(level)
     except ValueError:
@@ -177,13 +177,13 @@ def there(runs):
 def leading(runs):
     """The intensity that curves are fitted against by default: the first of INTENSITIES that every
     run has."""
-    found = there(runs)
-    if not found:
+    column = there(runs)
+    if not column:
         raise InputError(
             f"no intensity in every run; expected {' or '.join(INTENSITIES)} in the tables of a"
             " study of recorded motions; choose another study, or a column with --intensity"
         )
-    return found[0]
+    return column[0]
 
 
 def unit_of(column):

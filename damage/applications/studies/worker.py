@@ -141,8 +141,8 @@ class Group:
         """Whether a task is to be simulated; sends what becomes of it otherwise."""
         if task.history.is_file():
             self._connection.send((task, *conclude(task)))
-        elif _stands(task) and (found := changes(task, self._inputs)):
-            self._connection.send((task, CHANGED, found))
+        elif _stands(task) and (changed := changes(task, self._inputs)):
+            self._connection.send((task, CHANGED, changed))
         else:
             self._tasks[task.name] = task
             kind = HistoryKept if task.kept else HistoryInMemory
@@ -264,8 +264,8 @@ def _run_yade(task, connection, lock, inputs):
 
 def _run_yade_on(task, connection, lock, inputs):
     """As `_run_yade`: the inputs are compared before and after, as YADE reads them by itself."""
-    if found := changes(task, inputs):
-        return CHANGED, found
+    if changed := changes(task, inputs):
+        return CHANGED, changed
     connection.send((None, f"{task.name}: started", None))
     status = _run_solver(
         [*YADE, task.point.wall, *words_of(task.point.options_of(task.number) | _where(task))],
@@ -273,9 +273,11 @@ def _run_yade_on(task, connection, lock, inputs):
         lock,
         lambda share: connection.send((None, None, {task.name: share})),
     )
-    if status == EXIT_OK and (found := changes(task, inputs, read_history(task.part).masonry_wall)):
+    if status == EXIT_OK and (
+        changed := changes(task, inputs, read_history(task.part).masonry_wall)
+    ):
         task.part.unlink()
-        return CHANGED, found
+        return CHANGED, changed
     return conclude(task) if status == EXIT_OK else (status, None)
 
 

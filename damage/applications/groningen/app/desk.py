@@ -110,8 +110,8 @@ class Desk:
         for what, value in (("latitude", latitude), ("longitude", longitude)):
             check_range(what, value, -180, 180)
         exposure = draws_of({"latitude": latitude, "longitude": longitude}).exposure
-        found = exposure.as_dict()
-        return found | {"events": strongest(found, EVENTS)}
+        shaking = exposure.as_dict()
+        return shaking | {"events": strongest(shaking, EVENTS)}
 
     def fronts(self):
         """{name: text} of the fronts that ship as data and have a name in words, to begin with."""
@@ -164,7 +164,7 @@ class Desk:
         trial = self.path(name.replace(".", ".new."))
         try:
             write_text(trial, text)
-            found = read(trial)
+            content = read(trial)
             if not path.exists() or path.read_bytes() != trial.read_bytes():
                 set_aside(self.path(RESULTS))
             os.replace(trial, path)
@@ -174,7 +174,7 @@ class Desk:
             ) from error
         finally:
             trial.unlink(missing_ok=True)
-        return found
+        return content
 
     def layout(self):
         """The Layout of the front that was given; InputError before that."""
@@ -233,13 +233,13 @@ class Desk:
         without a crack [m].
         """
         layout = self.layout()
-        found = self._keep(
+        survey = self._keep(
             SURVEY,
             "the survey",
             _as_csv(cracks, areas, limit_mm, error_mm),
             lambda path: read_survey(path, layout),
         )
-        return _surveyed(found, layout)
+        return _surveyed(survey, layout)
 
     def levels(self, text):
         """Keep levels of a course, text in CSV; their profile."""
@@ -461,11 +461,11 @@ def _view(layout):
 def _openings(plan):
     """Openings of a Plan as built, (n, 4) of left, lower, right and upper edge [m]."""
     course = plan.wall.brick.height
-    found = [
+    boxes = [
         (opening.left, course * opening.first, opening.right, course * opening.above)
         for opening in plan.openings
     ]
-    return np.array(found, float).reshape(-1, 4)
+    return np.array(boxes, float).reshape(-1, 4)
 
 
 def _compare_openings(plan, marked, to_wall):

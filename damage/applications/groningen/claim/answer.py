@@ -112,14 +112,16 @@ def widths(worlds, surveyed_mm=None, error_mm=0.0):
     left, before = (
         np.where(stands, worlds.width[case], 0.0) for case in ("now", "without_earthquakes")
     )
-    found = {
+    widths = {
         name: quantiles(of / MILLIMETRE, weight)
         for name, of in (("before", before), ("added", left - before), ("left", left))
     }
-    if surveyed_mm is not None and found["before"]:
-        found["left"] = [surveyed_mm - error_mm, surveyed_mm, surveyed_mm + error_mm]
-        found["added"] = [now - one for now, one in zip(found["left"], reversed(found["before"]))]
-    return found
+    if surveyed_mm is not None and widths["before"]:
+        widths["left"] = [surveyed_mm - error_mm, surveyed_mm, surveyed_mm + error_mm]
+        widths["added"] = [
+            now - one for now, one in zip(widths["left"], reversed(widths["before"]))
+        ]
+    return widths
 
 
 def quantiles(values, weight, shares=RANGE):
@@ -166,7 +168,7 @@ def of_cracks(twins, likeness, survey, answered=True):
     asked = WITHOUT if twins.ground_is_known else WITHOUT[:1]
     stretches = survey.pattern.stretches.assign(length_m=survey.pattern.length_m)
     joints = survey.table.groupby("crack")["joint"].agg(list)
-    found = []
+    cracks = []
     for label, parts in stretches.groupby("crack", sort=False):
         ends = ends_of(parts)
         row = {
@@ -179,8 +181,8 @@ def of_cracks(twins, likeness, survey, answered=True):
         width_m = twins.widest_of(joints[label]) if label in joints else None
         for case in WITHOUT:
             row[case] = _of_crack(width_m if case in asked else None, case, likeness, answered)
-        found.append(row)
-    return found
+        cracks.append(row)
+    return cracks
 
 
 def _of_crack(width_m, case, likeness, answered):
@@ -218,10 +220,10 @@ def reasons(survey, tables_draws, strange):
     widest_mm = survey["max_width_mm"]
     limit_mm = THRESHOLD / MILLIMETRE
     off = 1 - survey["share_on_joints"]
-    found = [
+    reasons = [
         ("draws", tables_draws, tables_draws < LEAST_DRAWS),
         ("strange", strange, strange > STRANGEST),
         ("off_joints", off, off > MOST_OFF_JOINTS),
         ("small", widest_mm, widest_mm < limit_mm * (1 - 1e-6)),
     ]
-    return [(code, value) for code, value, applies in found if applies]
+    return [(code, value) for code, value, applies in reasons if applies]

@@ -20,12 +20,12 @@ def _table():
     """({term: term in Dutch}, [(pattern of a sentence, sentence in Dutch)]), the patterns of most
     words first: others hold a part of a sentence for a name."""
     file = Path(__file__).with_name("dutch.toml")
-    found = tomllib.loads(file.read_text(encoding="utf-8"))
+    table = tomllib.loads(file.read_text(encoding="utf-8"))
     sentences = [
         (re.compile(re.sub(r"\\{(\w+)\\}", r"(?P<\1>.+?)", re.escape(english)), re.DOTALL), dutch)
-        for english, dutch in sorted(found["sentences"].items(), key=_most_words)
+        for english, dutch in sorted(table["sentences"].items(), key=_most_words)
     ]
-    return found["terms"], sentences
+    return table["terms"], sentences
 
 
 def in_language(language, text):
@@ -40,11 +40,11 @@ def in_language(language, text):
     if text in terms:
         return terms[text]
     for pattern, dutch in sentences:
-        if found := pattern.fullmatch(text):
+        if match := pattern.fullmatch(text):
             return dutch.format(
                 **{
                     name: _decimal(in_language(language, part))
-                    for name, part in found.groupdict().items()
+                    for name, part in match.groupdict().items()
                 }
             )
     return text

@@ -37,11 +37,11 @@ def strangeness(distance):
 def pairwise(seen, error_m, known_m):
     """Distances (n, n) [-] of all rows of Seen from one another, each once as the survey; infinite
     from itself."""
-    found = np.empty((len(seen.area), len(seen.area)))
-    for k, row in enumerate(found):
+    matrix = np.empty((len(seen.area), len(seen.area)))
+    for k, row in enumerate(matrix):
         row[:] = distances(seen.at([k]), seen, error_m, known_m)
         row[k] = np.inf
-    return found
+    return matrix
 
 
 def strange_share(away, pairs):

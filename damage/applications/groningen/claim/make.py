@@ -238,13 +238,13 @@ def _first(out, study):
 def _evidence(history, outside):
     """Judgement of the range of validity on a history, with the share of all runs that are outside;
     outside: of Twins."""
-    found = evidence_for(history.masonry_wall, history.parameters, summarise(history))
+    evidence = evidence_for(history.masonry_wall, history.parameters, summarise(history))
     runs = list(map(names_outside, outside))
-    for name, one in found.items():
+    for name, one in evidence.items():
         one["outside_share"] = float(np.mean([name in of for of in runs]))
         if one["outside_share"]:
             one["inside"] = False
-    return found
+    return evidence
 
 
 def _crack_in_words(crack):

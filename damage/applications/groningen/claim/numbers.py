@@ -152,13 +152,13 @@ def largest_share(draws):
 
 def shaking(exposure, twins):
     """What shook the house: the events of the largest median PGV, and the end of the list."""
-    found = exposure.as_dict()
+    numbers = exposure.as_dict()
     gain = mean_gains(twins.events[SHAKEN])
     events = [
         event | {"mean_psi_added": gain.get(event["id"], 0.0)}
-        for event in strongest(found, SHOWN_EVENTS)
+        for event in strongest(numbers, SHOWN_EVENTS)
     ]
-    return found | {"n_events": len(found["events"]), "events": events}
+    return numbers | {"n_events": len(numbers["events"]), "events": events}
 
 
 def mean_gains(events):
@@ -191,10 +191,10 @@ def by_event(twins):
 def at_the_end(twins):
     """Psi and widest crack [mm] after all events by what acted: 5, 50, 95 % of the walls that
     stand, and how many fell."""
-    found = {}
+    states = {}
     for name, psi in twins.psi.items():
         stands = ~twins.fell[name]
-        found[name] = {
+        states[name] = {
             "fell": int(twins.fell[name].sum()),
             **{
                 what: np.quantile(values[stands], RANGE).tolist() if stands.any() else None
@@ -204,7 +204,7 @@ def at_the_end(twins):
                 )
             },
         }
-    return found
+    return states
 
 
 def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):

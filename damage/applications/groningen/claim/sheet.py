@@ -171,7 +171,7 @@ def _helps(numbers):
 def _answer(numbers, say, shown):
     """Sentences of the verdict, a list; the last is what the earthquakes added by the draws like
     the survey, over all priors."""
-    found = []
+    sentences = []
     for name in BUT_FOR:
         shares = [
             100 * entry[name]["share"]
@@ -183,7 +183,7 @@ def _answer(numbers, say, shown):
             if shares
             else "-"
         )
-        found.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
+        sentences.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
     added = [
         entry["like_survey"]["added"]
         for entry in numbers["crack_width_mm"].values()
@@ -194,7 +194,7 @@ def _answer(numbers, say, shown):
             round(one, 2) + 0.0
             for one in (min(one[0] for one in added), max(one[2] for one in added))
         )
-        found.append(
+        sentences.append(
             say(
                 "added_width" if least >= 0 else "changed_width",
                 least=shown(least),
@@ -202,7 +202,7 @@ def _answer(numbers, say, shown):
                 now=shown(numbers["survey"]["max_width_mm"]),
             )
         )
-    return found
+    return sentences
 
 
 def _taken(numbers, say, shown):
@@ -309,7 +309,7 @@ def _pictures(numbers, wall, survey, twins, say, shown):
         width=shown(of["max_width_mm"]),
         share=round(100 * of["share_on_joints"]),
     )
-    found = [
+    pictures = [
         (
             front(
                 wall,
@@ -334,8 +334,8 @@ def _pictures(numbers, wall, survey, twins, say, shown):
         widest = np.argmax(width)
         label = f"{shown(width[widest] / MILLIMETRE)} mm", *twins.ends[widest][0]
         labels = [label] if seen.any() else []
-        found.append((front(wall, twins.ends[seen], width[seen], "#046", text, labels), text))
-    return found
+        pictures.append((front(wall, twins.ends[seen], width[seen], "#046", text, labels), text))
+    return pictures
 
 
 def front(wall, ends, width_m, colour, label, names=()):

@@ -199,11 +199,11 @@ def read_twins(folder, layout):
 def _made_by(folder, rows):
     """`made_by` of Twins; rows: of their runs.  Raises InputError where they are of more than one
     version."""
-    found = {name: sorted({str(row.get(name) or UNKNOWN) for row in rows}) for name in MADE_BY}
-    for name, of in found.items():
+    values = {name: sorted({str(row.get(name) or UNKNOWN) for row in rows}) for name in MADE_BY}
+    for name, of in values.items():
         if name.endswith("digest") and len(of) > 1:
             raise InputError(
                 f"{folder}: draws of {len(of)} versions, {name} {', '.join(of)}: expected one on a"
                 " sheet; make the claim again with --remake"
             )
-    return {name: ", ".join(of) for name, of in found.items()}
+    return {name: ", ".join(of) for name, of in values.items()}

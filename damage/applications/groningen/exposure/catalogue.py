@@ -163,15 +163,15 @@ def with_later(path, base=SHIPPED):
     """The Catalogue at `base` with the events of the file at `path` that are later than its last
     one, and sentences on what the file adds.  Raises InputError where it adds none."""
     known = read_catalogue(base)
-    found = read_catalogue(path)
-    later = np.array([time > known.end for time in found.time])
+    newer = read_catalogue(path)
+    later = np.array([time > known.end for time in newer.time])
     if not later.any():
         raise InputError(
-            f"{path}: its last event is of {found.end:%Y-%m-%d}, the catalogue's of"
+            f"{path}: its last event is of {newer.end:%Y-%m-%d}, the catalogue's of"
             f" {known.end:%Y-%m-%d}; expected later ones; ask the service for events from that"
             " day on"
         )
-    new = found.at(later)
+    new = newer.at(later)
     joined = Catalogue(
         *(np.concatenate([getattr(known, name), getattr(new, name)]) for name in _COLUMNS),
         str(base),
@@ -180,11 +180,11 @@ def with_later(path, base=SHIPPED):
     gap = (new.time[0] - known.end).days
     notes = [
         (
-            f"{len(new)} of {len(found)} events of {path} are later than {known.end:%Y-%m-%d}: from"
+            f"{len(new)} of {len(newer)} events of {path} are later than {known.end:%Y-%m-%d}: from"
             f" {new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M"
             f" {new.magnitude[largest]:.1f} of {new.time[largest]:%Y-%m-%d}"
         ),
-        *found.notes,
+        *newer.notes,
     ]
     if later.all() and gap > MOST_GAP_DAYS:
         notes.append(
@@ -270,27 +270,27 @@ def _catalogue(path, table, times, leave_out=False):
     )
     x_m, y_m = epicentres if pair == _GRID else to_rd(*epicentres)
     time = pd.Series([_time(table, row, words) for row, words in enumerate(times)], dtype=object)
-    found = rows.rename(columns={"knmi_id": "id", "depth_km": "depth"})
-    found = found.assign(
+    renamed = rows.rename(columns={"knmi_id": "id", "depth_km": "depth"})
+    renamed = renamed.assign(
         x_m=x_m,
         y_m=y_m,
         time=time,
         line=table.line,
-        **{name: "" for name in ("id", "type", "agency") if name not in found},
+        **{name: "" for name in ("id", "type", "agency") if name not in renamed},
     )
-    found["id"] = found["id"].mask(found["id"].str.strip() == "", times)
-    away = found["line"][outside]
-    found = found[~outside].sort_values("time", kind="stable", ignore_index=True)
+    renamed["id"] = renamed["id"].mask(renamed["id"].str.strip() == "", times)
+    away = renamed["line"][outside]
+    renamed = renamed[~outside].sort_values("time", kind="stable", ignore_index=True)
     notes = []
     if Path(path) != SHIPPED:
-        found, notes = _of_the_field(found)
+        renamed, notes = _of_the_field(renamed)
         notes = [f"left out as outside the Netherlands: {_lines(away)}"] * bool(len(away)) + notes
-        if found.empty:
+        if renamed.empty:
             raise InputError(
                 f"{path}: no event that the ground-motion models are for; expected induced"
                 f" earthquakes of the Groningen field; {notes[0]}"
             )
-    columns = [found[name].to_numpy() for name in _COLUMNS]
+    columns = [renamed[name].to_numpy() for name in _COLUMNS]
     for column in columns:
         column.setflags(write=False)
     return Catalogue(*columns, str(path), tuple(f"{path}: {note}" for note in notes))

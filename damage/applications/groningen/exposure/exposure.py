@@ -64,14 +64,14 @@ class Exposure:
         """Sentences on what is doubtful: of the catalogue, and of distances."""
         strongest = int(np.argmax(self.median_mm_s))
         km = self.distance_km[strongest]
-        found = list(self.catalogue.notes)
+        warnings = list(self.catalogue.notes)
         if km > REACH_KM:
-            found.append(
+            warnings.append(
                 f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is"
                 f" {km:.0f} km away: the model was compared with records to {REACH_KM:g} km, PGV"
                 " farther away is extrapolated"
             )
-        return found
+        return warnings
 
     @cached_property
     def distance_km(self):
@@ -155,39 +155,40 @@ class Exposure:
         }
 
 
-def strongest(found, rows=None):
+def strongest(shaking, rows=None):
     """The events of `Exposure.as_dict`, those of the largest median first, up to so many."""
-    return sorted(found["events"], key=lambda event: -event["median_mm_s"])[:rows]
+    return sorted(shaking["events"], key=lambda event: -event["median_mm_s"])[:rows]
 
 
-def describe(found, rows=10):
+def describe(shaking, rows=10):
     """Text: `Exposure.as_dict`, with the `rows` events of the largest median."""
-    events = strongest(found)
+    events = strongest(shaking)
     over = [sum(event["median_mm_s"] > level for event in events) for level in LEVELS_MM_S]
     lines = [
         (
-            f"latitude {found['latitude']:.5f}, longitude {found['longitude']:.5f} (RD"
-            f" {found['easting_rd_m']:.0f} {found['northing_rd_m']:.0f} m), VS30"
-            f" {found['vs30_m_s']:g} m/s"
+            f"latitude {shaking['latitude']:.5f}, longitude {shaking['longitude']:.5f} (RD"
+            f" {shaking['easting_rd_m']:.0f} {shaking['northing_rd_m']:.0f} m), VS30"
+            f" {shaking['vs30_m_s']:g} m/s"
         ),
         (
-            f"{len(events)} events from {found['from']} to {found['to']}, {found['catalogue']}; the"
-            f" last is of {found['catalogue_ends']}, later earthquakes are not in it"
+            f"{len(events)} events from {shaking['from']} to {shaking['to']},"
+            f" {shaking['catalogue']}; the"
+            f" last is of {shaking['catalogue_ends']}, later earthquakes are not in it"
         ),
-        f"PGV, component {found['component']}: {found['model']}",
+        f"PGV, component {shaking['component']}: {shaking['model']}",
         (
-            f"largest median {found['largest_median_mm_s']:.4g} mm/s;"
-            f" {found['one_percent_mm_s']:.4g} mm/s is exceeded with 1 % in that event"
+            f"largest median {shaking['largest_median_mm_s']:.4g} mm/s;"
+            f" {shaking['one_percent_mm_s']:.4g} mm/s is exceeded with 1 % in that event"
         ),
         (
-            f"largest of all events: median {found['largest_of_all_median_mm_s']:.4g} mm/s, "
-            f"{found['largest_of_all_one_percent_mm_s']:.4g} mm/s is exceeded with 1 %"
+            f"largest of all events: median {shaking['largest_of_all_median_mm_s']:.4g} mm/s, "
+            f"{shaking['largest_of_all_one_percent_mm_s']:.4g} mm/s is exceeded with 1 %"
         ),
         "",
         f"{'PGV over [mm/s]':<28}" + "".join(f"{level:>9}" for level in LEVELS_MM_S),
         f"{'events whose median is over':<28}" + "".join(f"{count:>9}" for count in over),
         f"{'probability, at least once':<28}"
-        + "".join(f"{found['at_least_once'][str(level)]:>9.3f}" for level in LEVELS_MM_S),
+        + "".join(f"{shaking['at_least_once'][str(level)]:>9.3f}" for level in LEVELS_MM_S),
         "",
         (
             f"{'time (UTC)':<20} {'M':>4} {'place':<18} {'km':>5} {'median':>8} {'1 %':>8}  "
@@ -196,7 +197,7 @@ def describe(found, rows=10):
         f"{'[mm/s]':>59} {'[mm/s]':>8}" + "".join(f"{level:>7}" for level in LEVELS_MM_S),
         *map(_row, events[:rows]),
         *[f"... and {len(events) - rows} weaker ones"] * (len(events) > rows),
-        *(f"warning: {warning}" for warning in found["warnings"]),
+        *(f"warning: {warning}" for warning in shaking["warnings"]),
     ]
     return "\n".join(lines)
 

@@ -232,18 +232,18 @@ class Draws:
         """
         events = self.exposure.catalogue
         times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time]
-        found = (
+        matching = (
             [k for k, time in enumerate(times) if time.startswith(date)]
             if len(date) >= len("2012-08-16")
             else []
         )
-        if not found:
+        if not matching:
             raise InputError(
                 f"--event {date}: no event then in {events.source}, whose last is of {times[-1]};"
                 " expected a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52;"
                 " look at python3 -m damage exposure, or give a later catalogue"
             )
-        k = max(found, key=self.exposure.median_mm_s.__getitem__)
+        k = max(matching, key=self.exposure.median_mm_s.__getitem__)
         if number is None:
             return self._table([(k, to_bits(self.exposure.median_mm_s[k]), 1.0, None)])
         pgv, share, sign = self.pgv(number)

@@ -59,12 +59,12 @@ def probability(hits, largest, population):
     theirs = np.searchsorted(edges, population)
     count = np.bincount(mine, minlength=len(edges) + 1)
     weight = np.bincount(theirs, minlength=len(edges) + 1) / len(population)
-    found = np.bincount(mine, hits, minlength=len(edges) + 1)
-    smooth = (found + 0.5) / (count + 1)
+    counts = np.bincount(mine, hits, minlength=len(edges) + 1)
+    smooth = (counts + 0.5) / (count + 1)
     spread = smooth * (1 - smooth) * count / (count - 1)
     n = len(hits)
     variance = (weight @ spread) / n + ((1 - weight) @ spread) / n**2
-    return Estimate(float(weight @ (found / count)), float(np.sqrt(variance)), n)
+    return Estimate(float(weight @ (counts / count)), float(np.sqrt(variance)), n)
 
 
 def strata(largest, population):

@@ -126,10 +126,10 @@ class Lives:
         so_far = self.table[self.table["time_utc"].str[:4].astype(int) <= year]
         states = so_far.groupby(keys).last().reindex(every.index)
         fell = states["fell"].eq(True)
-        found = states[["psi", "DI", "crack_width_mm"]].astype(float).fillna(0.0)
-        found["max_psi"] = so_far.groupby(keys)["max_psi"].max().reindex(every.index).fillna(0.0)
-        found.loc[fell, ["psi", "max_psi"]] = np.inf
-        return found.assign(largest_mm_s=every)
+        final = states[["psi", "DI", "crack_width_mm"]].astype(float).fillna(0.0)
+        final["max_psi"] = so_far.groupby(keys)["max_psi"].max().reindex(every.index).fillna(0.0)
+        final.loc[fell, ["psi", "max_psi"]] = np.inf
+        return final.assign(largest_mm_s=every)
 
     def population(self):
         """Largest PGV (POPULATION,) [mm/s] of lives that are drawn only."""
@@ -142,21 +142,21 @@ def lives_of(folder):
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
     records = read_records(folder)
-    found = []
+    lives = []
     for run in study.runs:
         if run.varied == "life":
             draws = read_address(dict(run.options)["address"])
             point = run.point.rpartition(FROM)[0]
-            found += [
+            lives += [
                 Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
                 for number, record in records.of_point(run).items()
             ]
-    if not any(len(one.table) for one in found):
+    if not any(len(one.table) for one in lives):
         raise InputError(
             f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m"
             " damage life makes it"
         )
-    return together(found)
+    return together(lives)
 
 
 def life_of(record, draws, number):
@@ -215,11 +215,11 @@ def _settlement(row, draws):
 def together(parts):
     """Lives of equal points counted together, each life once; a list in the order of the first of
     each, without points that have none."""
-    found = {}
+    parts_of_point = {}
     for part in parts:
-        found.setdefault(part.point, []).append(part)
+        parts_of_point.setdefault(part.point, []).append(part)
     lives = []
-    for several in found.values():
+    for several in parts_of_point.values():
         tables = [one.table for one in several if len(one.table)]
         if tables:
             rows = pd.concat(tables, ignore_index=True).drop_duplicates(
@@ -232,15 +232,15 @@ def together(parts):
 def largest_alone(parts):
     """Return {point: (lives with all events, the same with the largest alone)} of the points that
     have both, as DataFrames of `Lives.until` with equal rows."""
-    found = {}
+    alone = {}
     for one, other in product(parts, repeat=2):
         if _is_of_the_largest(other, one):
             first = one.last
             second = other.last
             both = first.index.intersection(second.index)
             if len(both) > 1:
-                found[one.point] = first.loc[both], second.loc[both]
-    return found
+                alone[one.point] = first.loc[both], second.loc[both]
+    return alone
 
 
 def _is_of_the_largest(lives, every):
@@ -271,10 +271,10 @@ def over_time(lives):
             },
         }
         for name, level in product(OUTCOMES, VISIBLE):
-            found = probability(now[name] >= level, now["largest_mm_s"], population)
+            estimate = probability(now[name] >= level, now["largest_mm_s"], population)
             row |= zip(
                 (f"p_{name}_{level:g}{end}" for end in ("", "_low", "_high")),
-                (found.p, *found.interval),
+                (estimate.p, *estimate.interval),
             )
         rows.append(row)
     return pd.DataFrame(rows)[list(TABLES["life.csv"])]
@@ -290,7 +290,7 @@ def contributions(lives):
         table["gain"] == table.groupby(keys)["gain"].transform("max")
     )
     n_lives = table.groupby(keys).ngroups
-    found = (
+    events = (
         table.groupby("id")
         .agg(
             time_utc=("time_utc", "first"),
@@ -302,11 +302,11 @@ def contributions(lives):
         )
         .reset_index()
     )
-    found[["mean_psi", "largest"]] /= n_lives
-    total = found["mean_psi"].sum()
-    found = found.assign(point=lives.point, share=found["mean_psi"] / total if total else 0.0)
-    found = found.sort_values("mean_psi", ascending=False, ignore_index=True)
-    return found[list(TABLES["contributions.csv"])]
+    events[["mean_psi", "largest"]] /= n_lives
+    total = events["mean_psi"].sum()
+    events = events.assign(point=lives.point, share=events["mean_psi"] / total if total else 0.0)
+    events = events.sort_values("mean_psi", ascending=False, ignore_index=True)
+    return events[list(TABLES["contributions.csv"])]
 
 
 def describe(parts):
@@ -333,11 +333,11 @@ def describe(parts):
             ),
         ]
         for name, level in product(OUTCOMES, VISIBLE):
-            found = probability(last[name] >= level, last["largest_mm_s"], population)
-            low, high = found.interval
+            estimate = probability(last[name] >= level, last["largest_mm_s"], population)
+            low, high = estimate.interval
             lines.append(
-                f"  P(Psi >= {level:g}) {OUTCOMES[name]} = {found.p:.3f}, 95 % interval {low:.3f}"
-                f" to {high:.3f}; for +-0.03: {found.lives_for(0.03)} lives"
+                f"  P(Psi >= {level:g}) {OUTCOMES[name]} = {estimate.p:.3f}, 95 % interval"
+                f" {low:.3f} to {high:.3f}; for +-0.03: {estimate.lives_for(0.03)} lives"
             )
         if part.point in pairs:
             first, second = pairs[part.point]
