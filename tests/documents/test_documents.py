@@ -85,6 +85,16 @@ def test_links_lead_somewhere():
     assert missing == []
 
 
+def test_no_line_begins_as_a_comment():
+    """The site leaves out lines that begin with a percent sign."""
+    lost = [
+        f"{document.name}: {line}"
+        for document in DOCUMENTS
+        for line in re.findall(r"^ *%.*$", document.read_text(), re.MULTILINE)
+    ]
+    assert lost == []
+
+
 def test_named_files_are_there():
     missing = [
         f"{document.name}: {name}"
