@@ -113,7 +113,9 @@ class CsvTable:
         self.rows = (
             text
             if columns is None
-            else pd.DataFrame({name: self._column(name, of, text) for name, of in columns.items()})
+            else pd.DataFrame(
+                {name: self._column(name, column, text) for name, column in columns.items()}
+            )
         )
 
     def _cells(self, lines, separator):

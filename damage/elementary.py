@@ -134,7 +134,7 @@ def tan(x):
 def atan(x):
     """Arc tangent of x [rad], within a quarter of a turn of zero."""
     size = np.abs(x)
-    least, centre, *at = (
+    least, centre, *terms = (
         np.select([size < row[0] for row in _CENTRES], values, last)
         for values, last in zip(zip(*_CENTRES), (math.inf, 0.0, *_RIGHT_ANGLE))
     )
@@ -146,7 +146,7 @@ def atan(x):
         _ATAN[0] + w * (_ATAN[2] + w * (_ATAN[4] + w * (_ATAN[6] + w * (_ATAN[8] + w * _ATAN[10]))))
     )
     even = w * (_ATAN[1] + w * (_ATAN[3] + w * (_ATAN[5] + w * (_ATAN[7] + w * _ATAN[9]))))
-    return np.copysign(at[0] - ((t * (odd + even) - at[1]) - t), x)
+    return np.copysign(terms[0] - ((t * (odd + even) - terms[1]) - t), x)
 
 
 def hypot(x, z):

@@ -187,10 +187,10 @@ def implausible_fields(*records, unit=None):
     """Messages about the implausible values of records, of one unit where it is given; each once:
     several openings may have one fault."""
     given = (
-        (name, vars(record)[name.partition(".")[2]], of)
+        (name, vars(record)[name.partition(".")[2]], range_)
         for record in records
-        for name, of in ranges_of(type(record)).items()
-        if unit in (None, of.unit)
+        for name, range_ in ranges_of(type(record)).items()
+        if unit in (None, range_.unit)
     )
     return list(dict.fromkeys(filter(None, (message_of(*one) for one in given if one[1]))))
 

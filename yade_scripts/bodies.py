@@ -297,8 +297,8 @@ class HouseParts(Parts):
         places = layout.place[:, :2]
         beyond = _GROUND
         if len(layout.supports) > 1:  # below one brick, or where a corner took it away
-            own = places[layout.contacts.first == GROUND - support]
-            places, beyond = (own, REACH) if len(own) else (places[:1], 0.0)
+            own_places = places[layout.contacts.first == GROUND - support]
+            places, beyond = (own_places, REACH) if len(own_places) else (places[:1], 0.0)
         beyond += TIP
         return places.min(axis=0) - beyond, places.max(axis=0) + beyond
 

@@ -195,7 +195,7 @@ def _put_forces(loads, forces):
     O.dt = 0.0
     law = loop.lawDispatcher.functors[0]
     # Bonds at their limits would pass them by rounding.
-    held = [
+    limits = [
         (i.phys, i.phys.FnMax, i.phys.FsMax)
         for i in O.interactions
         if getattr(i.phys, "isCohesive", False)
@@ -203,7 +203,7 @@ def _put_forces(loads, forces):
     passed = law.nbTensCracks, law.nbShearCracks
     loop()
     law.nbTensCracks, law.nbShearCracks = passed
-    for phys, phys.FnMax, phys.FsMax in held:
+    for phys, phys.FnMax, phys.FsMax in limits:
         phys.isCohesive = True
     O.dt = dt
     O.forces.f(0, True)  # without this the next does not reset

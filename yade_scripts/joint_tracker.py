@@ -168,10 +168,10 @@ class JointTracker:
         # The elastic shear energy of a joint dissipates by friction as it opens, since its limit
         # falls to zero.
         opens = is_open & ~self._open[joints]
-        held = np.where(
+        stored = np.where(
             opens, np.abs(self._stress[joints]) ** 2 / (2 * self.shear_stiffness[joints]), 0.0
         )
-        self.friction_energy += float(np.sum(held * area))
+        self.friction_energy += float(np.sum(stored * area))
         limit = -opening * self.normal_stiffness[joints] * self.friction[joints]
         slides = ~is_open & (np.abs(tau) >= limit * (1 - 1e-6)) & (tau != 0)
         self.at_limit[joints] |= (slides | (np.abs(increment) > _SLIDES)) & self.broken[joints]

@@ -211,14 +211,14 @@ class YadeWall:
         worn = self._tip_of[joint]
         force = O.forces.f(worn, True)
         torque = O.forces.t(worn, True)
-        there = Vector3(O.bodies[worn].state.pos)
+        place = Vector3(O.bodies[worn].state.pos)
         self.members[self.tips[joint].body].remove(worn)
         O.bodies.erase(worn)  # else it would touch the face again
         contact = self._touch(joint, *stiffness)
         self._put(joint, contact)
         point = self._tip_of[joint]
         O.forces.addF(point, force)
-        O.forces.addT(point, torque + (there - O.bodies[point].state.pos).cross(force))
+        O.forces.addT(point, torque + (place - O.bodies[point].state.pos).cross(force))
         contact.phys.shearForce = shear
         self.work.renew(joint, contact)
 

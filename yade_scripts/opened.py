@@ -246,7 +246,7 @@ def engines_beside(more):
         )
     present = list(O.engines)
     given = list(more)
-    kept = [one for one in present if not isinstance(one, _OWN)]
+    engines = [one for one in present if not isinstance(one, _OWN)]
     for one in (
         *(one for one in present if isinstance(one, _OWN) and not _is_as_new(one)),
         *(one for one in given if isinstance(one, _OWN)),
@@ -256,13 +256,13 @@ def engines_beside(more):
             " and damping of the run; expected engines beside those; leave it out, or as YADE's"
             " new scene has it"
         )
-    for one in (*kept, *given):
+    for one in (*engines, *given):
         if not isinstance(one, yade.Engine):
             raise InputError(
                 f"engines: {one!r}; expected engines of YADE, like PyRunner(command='f()', "
                 "virtPeriod=0.01); correct it"
             )
-    return [*kept, *given]
+    return [*engines, *given]
 
 
 def _is_as_new(engine):

@@ -144,25 +144,30 @@ class YadeSolver(Solver):
         """Add the force of the spreader beam to those of the next step, after which the mean
         displacement of its bodies by their shares is that of the machine; damped by YADE's rule."""
         dt = self.time_step
-        held = self._held
+        held_force = self._held
         shares = self._shares
         scene = self.scene
-        mass = self.layout.bodies.mass[held]
-        place = scene.pushed(held)
+        mass = self.layout.bodies.mass[held_force]
+        place = scene.pushed(held_force)
         axis = scene.push_axis
-        speed = np.array([scene.states[body].vel.dot(axis) for body in held])
-        own = np.array(
-            [sum(O.forces.f(cell, True).dot(axis) for cell in scene.members[body]) for body in held]
+        speed = np.array([scene.states[body].vel.dot(axis) for body in held_force])
+        forces = np.array(
+            [
+                sum(O.forces.f(cell, True).dot(axis) for cell in scene.members[body])
+                for body in held_force
+            ]
         )
         force = self._push_force()
         change = (self._place - shares @ place) / dt - shares @ speed
         for _ in range(4):
-            rate = (own + shares * force) / mass
-            kept = 1 - self.model.newton.damping * np.sign(rate * (speed + dt / 2 * rate))
-            force = (change / dt - shares @ (kept * own / mass)) / (shares @ (kept * shares / mass))
+            rate = (forces + shares * force) / mass
+            damped = 1 - self.model.newton.damping * np.sign(rate * (speed + dt / 2 * rate))
+            force = (change / dt - shares @ (damped * forces / mass)) / (
+                shares @ (damped * shares / mass)
+            )
         self._place += dt * self._velocity
-        self.scene.on_top[held, 0] = shares * force
-        for body, share in zip(held, shares):
+        self.scene.on_top[held_force, 0] = shares * force
+        for body, share in zip(held_force, shares):
             O.forces.addF(self.model.clumps[body], float(share * force) * axis)
 
     def _held_rotations(self):
@@ -189,10 +194,10 @@ class YadeSolver(Solver):
         force[1] = -weight * self.layout.load_mass[self._beam]
         if top.stiffness:
             before = self.scene.on_top[self._beam, 0]
-            there = self.scene.states[self._beam].pos[0]
-            there -= self.layout.bodies.x[self._beam]
-            slip = top.slip(there, self._slip, GRAVITY * self.layout.top_mass)
-            force[0] = -top.stiffness * (there - slip)
+            place = self.scene.states[self._beam].pos[0]
+            place -= self.layout.bodies.x[self._beam]
+            slip = top.slip(place, self._slip, GRAVITY * self.layout.top_mass)
+            force[0] = -top.stiffness * (place - slip)
             self._slip_work -= 0.5 * (before + force[0]) * (slip - self._slip)
             self._slip = slip
         self.scene.on_top[self._beam] = force

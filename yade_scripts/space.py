@@ -53,13 +53,15 @@ class SpaceReader(SceneReader):
         forces = []
         about = axis.cross(Vector3(0, 0, 1))
         places = starmap(Vector3, self._of_ground(self.ground_at + along, up).tolist())
-        for members, at in zip(self.model.ground, places):
+        for members, place in zip(self.model.ground, places):
             force = Vector3.Zero
             moment = Vector3.Zero
             for member in members:
                 on_it = O.forces.f(member, True)
                 force += on_it
-                moment += (O.bodies[member].state.pos - at).cross(on_it) + O.forces.t(member, True)
+                moment += (O.bodies[member].state.pos - place).cross(on_it) + O.forces.t(
+                    member, True
+                )
             forces.append([force.dot(axis), force[2], moment.dot(about)])
         return np.array(forces)
 

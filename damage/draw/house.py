@@ -189,18 +189,18 @@ def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None))
     centre = corners.mean(axis=1)
     outwards = sides.mean(axis=2) - centre[shown, None]
     seen = eye.sees(sides.mean(axis=2), outwards)
-    of = np.arange(len(corners))[shown][np.nonzero(seen)[0]]
+    face = np.arange(len(corners))[shown][np.nonzero(seen)[0]]
     level = np.append(history.bodies["z_m"].round(3), -np.inf)
     near = np.append(centre @ eye.towards, -np.inf)
     normal = outwards[seen] / np.linalg.norm(outwards[seen], axis=1, keepdims=True)
     light = DARKEST + (1 - DARKEST) * np.clip(normal @ eye.light, 0, 1)
-    kinds = kinds_of_bodies(history.bodies["course"])[of]
+    kinds = kinds_of_bodies(history.bodies["course"])[face]
     paint = np.array([to_rgb(style.BODY_COLOURS[kind]) for kind in kinds]) * light[:, None]
     colours = np.array([to_rgb(run.JOINT_COLOURS[state]) for state in JOINT_STATES])[codes]
     order = np.lexsort(
         (
-            np.append(near[of], near[joined].max(axis=1) + BEFORE_M),
-            np.append(level[of], level[joined].max(axis=1)),
+            np.append(near[face], near[joined].max(axis=1) + BEFORE_M),
+            np.append(level[face], level[joined].max(axis=1)),
         )
     )
     places = [*eye.project(sides[seen]), *eye.project(ends)]
@@ -208,7 +208,7 @@ def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None))
     collection.set(
         facecolor=np.concatenate([paint, colours])[order],
         edgecolor=np.concatenate([np.full_like(paint, 0.5), colours])[order],
-        linewidth=np.append(np.full(len(of), 0.15), line_width(width, widest_pt))[order],
+        linewidth=np.append(np.full(len(face), 0.15), line_width(width, widest_pt))[order],
     )
 
 

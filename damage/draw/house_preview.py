@@ -51,10 +51,10 @@ def house_preview(layout):
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
         on_wall = middle & (layout.joint_wall[:n] == number)
-        of = (layout.body_wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
+        in_wall = (layout.body_wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
         tables = [
             one.assign(x_m=one["x_m"] - layout.left[number])
-            for one in (bodies[of], joints[on_wall])
+            for one in (bodies[in_wall], joints[on_wall])
         ]
         slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
         slabs = slabs[[wall.name in one.walls for one in concrete]]

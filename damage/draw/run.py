@@ -213,9 +213,9 @@ def stress_picture(
             " again so"
         )
     shape = wall_shape(history, sample, slip, threshold, magnify=0.0)
-    at = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
+    snapshot = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
     bricks = shape.kinds == "bricks"
-    stress, angle = principal_stresses(history.stress_pa[at, bricks, 0])
+    stress, angle = principal_stresses(history.stress_pa[snapshot, bricks, 0])
     stress = stress.T
     scale = history.bodies["length_m"][bricks].median() / max(np.abs(stress).max(), 1.0)
     centre = shape.corners[bricks].mean(axis=1)
@@ -237,7 +237,7 @@ def stress_picture(
         figure,
         show_all(ax, shape.corners),
         history,
-        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[at]:.2f} s"],
+        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[snapshot]:.2f} s"],
         handles,
     )
 
@@ -265,8 +265,10 @@ def contact_force_picture(history: History, moment: str | float = "max") -> Figu
     _draw_thrust(ax, history, moment)
     handles = [
         *(
-            style.line_handle(colour, f"{label}, up to {size[of].max(initial=0.0) / 1e3:.3g} kN")
-            for colour, label, of in (
+            style.line_handle(
+                colour, f"{label}, up to {size[chosen].max(initial=0.0) / 1e3:.3g} kN"
+            )
+            for colour, label, chosen in (
                 (style.BLUE, "compression", ~pulls),
                 (style.VERMILLION, "tension", pulls),
             )
@@ -566,10 +568,12 @@ def hysteresis_picture(history: History) -> Figure:
                 label="push" if name == "motion" and pushed else name,
             )
     if history.collapsed_at_s is not None:
-        at = int(np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s)))
+        sample = int(
+            np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s))
+        )
         ax.plot(
-            drift[at],
-            shear_kn[at],
+            drift[sample],
+            shear_kn[sample],
             "x",
             color=style.BLACK,
             ms=5,

@@ -166,8 +166,8 @@ def motion_words(loading):
 def _top_words(loading):
     drifts = ", ".join(f"{drift:g}" for drift in loading.amplitudes_pct)
     top = _TOPS[loading.boundary]
-    at = ", ".join(f"{share:g} at {level:g} m" for level, share in loading.floor_shares)
-    what, top = (f"floors ({at})", "forces in this ratio") if at else ("top", top)
+    floors = ", ".join(f"{share:g} at {level:g} m" for level, share in loading.floor_shares)
+    what, top = (f"floors ({floors})", "forces in this ratio") if floors else ("top", top)
     if loading.cycles == 0:
         return f"{what} pushed to a drift of {loading.amplitudes_pct[0]:g} %, {top}"
     each = " each" if len(loading.amplitudes_pct) > 1 else ""

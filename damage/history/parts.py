@@ -83,8 +83,8 @@ def _of_wall(history, name, number):
     supports, moved, below = _ground_of(history, number)
     # -1 is the first
     first = joints["first_body"]
-    own = -np.cumsum(below)
-    joints["first_body"] = np.where(first < 0, own[np.maximum(-1 - first, 0)], first)
+    shift = -np.cumsum(below)
+    joints["first_body"] = np.where(first < 0, shift[np.maximum(-1 - first, 0)], first)
     return replace(
         part,
         supports=supports,
@@ -117,11 +117,11 @@ def _ground_of(history, number):
     turn = np.radians(history.parameters["house"]["heading"])
     left = placing.left[number]
     length = placing.length[number]
-    at = history.supports[["left_m", "right_m"]].mean(axis=1)
-    own = ((at > left) & (at < left + length)).to_numpy()
+    middle = history.supports[["left_m", "right_m"]].mean(axis=1)
+    below = ((middle > left) & (middle < left + length)).to_numpy()
     facing = placing.axes[number, 0] @ [np.cos(turn), np.sin(turn), 0.0]
-    moved = history.support_displacement[:, own] * [facing, 1.0, facing]
-    return (history.supports[own] - left).reset_index(drop=True), moved, own
+    moved = history.support_displacement[:, below] * [facing, 1.0, facing]
+    return (history.supports[below] - left).reset_index(drop=True), moved, below
 
 
 def face_of(history, face):
@@ -176,14 +176,14 @@ def _with_slabs_in(history, number):
     across = house.out_of_plane.copy()
     middle = placing.left[number] + placing.length[number] / 2
     for slab in slabs:
-        own = [house.body_wall[slab]]
+        carrying = [house.body_wall[slab]]
         centre = np.array([[[bodies["x_m"][slab], house.body_y_m[slab], 0.0]]])
         arm = placing.in_house([number], np.array([[[middle, 0.0, 0.0]]]))
-        arm = (arm - placing.in_house(own, centre))[0]
+        arm = (arm - placing.in_house(carrying, centre))[0]
         along, up, turned = moved[:, slab].T
         aside, about_x, about_z = across[:, slab].T
         shift, turns = (
-            placing.turned(own, np.column_stack(one)[np.newaxis])[0]
+            placing.turned(carrying, np.column_stack(one)[np.newaxis])[0]
             for one in ((along, aside, up), (about_x, -turned, about_z))
         )
         to_wall = placing.axes[number].T

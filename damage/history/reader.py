@@ -333,9 +333,9 @@ def file_of(path: str | Path) -> Path:
 
 
 def _unreadable(path, error):
-    said = (str(error).strip() or type(error).__name__).splitlines()[0]
+    message = (str(error).strip() or type(error).__name__).splitlines()[0]
     return InputError(
-        f"{path} cannot be read as a history ({said}); expected an HDF5 file that a run wrote"
+        f"{path} cannot be read as a history ({message}); expected an HDF5 file that a run wrote"
     )
 
 

@@ -151,9 +151,10 @@ class File:
             yield
         except (OSError, RuntimeError) as error:
             _LEFT_OPEN.append(self)
-            said = re.search(r"error message = '([^']*)'", str(error))
+            message = re.search(r"error message = '([^']*)'", str(error))
+            cause = message[1] if message else str(error).splitlines()[0]
             raise WriteError(
-                f"cannot write {self.path} ({said[1] if said else str(error).splitlines()[0]}):"
+                f"cannot write {self.path} ({cause}):"
                 " what was flushed is kept, unfinished; make room, and run it again"
             ) from error
 
@@ -347,7 +348,7 @@ def layout_tables(layout):
 def growing_columns(layout, parameters):
     """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these
     parameters; rows of frames begin without active contact points."""
-    kept = {
+    optional = {
         "snapshots/stress_pa": layout.strain is not None,
         "stresses/joint_stress_pa": parameters.get("stresses"),
         **dict.fromkeys(OF_HOUSES, layout.IN_SPACE),
@@ -362,9 +363,9 @@ def growing_columns(layout, parameters):
     columns = {}
     for path, column in schema.COLUMNS.items():
         group = path.partition("/")[0]
-        if group in schema.GROWING and kept.get(path, True):
+        if group in schema.GROWING and optional.get(path, True):
             _, *shape = schema.SHAPES.get(path, schema.SHAPES[group])
-            columns[path] = column, tuple(sizes.get(of, of) for of in shape)
+            columns[path] = column, tuple(sizes.get(size, size) for size in shape)
     return columns
 
 

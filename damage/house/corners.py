@@ -111,8 +111,8 @@ def _common(layout, one, other):
     (n_pairs,), and the centres' distances (n_pairs, 3)."""
     low, high = boxes(layout, one)
     centre = (low + high) / 2
-    own = layout.depth < layout.wall.brick.thickness + TINY
-    i, j = (np.flatnonzero((layout.body_wall == number) & own) for number in (one, other))
+    overlapping = layout.depth < layout.wall.brick.thickness + TINY
+    i, j = (np.flatnonzero((layout.body_wall == number) & overlapping) for number in (one, other))
     i, j = (index.ravel() for index in np.meshgrid(i, j, indexing="ij"))
     common = np.maximum(low[i], low[j]), np.minimum(high[i], high[j])
     return *common, i, j, centre[j] - centre[i]

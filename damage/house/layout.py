@@ -243,8 +243,8 @@ def _across_inertia(bodies, thickness):
     """Moments of inertia about the axes along the wall and upwards (n_bodies, 2) [kg m2]: that of
     the layout about the third axis, by the ratio of a box's."""
     third = bodies.length**2 + bodies.height**2
-    own = np.column_stack([bodies.height, bodies.length]) ** 2 + thickness**2
-    return (bodies.inertia / third)[:, None] * own
+    squares = np.column_stack([bodies.height, bodies.length]) ** 2 + thickness**2
+    return (bodies.inertia / third)[:, None] * squares
 
 
 def _below_slab(part):
@@ -274,14 +274,14 @@ def _with_slab(layout, floor):
     x, y = (low + high) / 2 - walls[0].axes[:2, :2] @ walls[0].origin
     height = bodies.height[slab]
     mass = floor.mass_per_area * length * across
-    own = {
+    in_plane = {
         "x": x + layout.left[number],
         "length": length,
         "mass": mass,
         "inertia": mass * (length**2 + height**2) / 12,
     }
     sizes = across**2 + np.array([height, length]) ** 2
-    of = {"offset": y, "depth": across, "across_inertia": mass * sizes / 12}
+    across_plane = {"offset": y, "depth": across, "across_inertia": mass * sizes / 12}
 
     def put(table, values):
         columns = {name: getattr(table, name).copy() for name in values}
@@ -292,8 +292,8 @@ def _with_slab(layout, floor):
     body = np.where(strips, slab, np.arange(len(bodies)))
     first = np.where(contacts.first < 0, contacts.first, body[contacts.first])
     contacts = replace(contacts, first=first, second=body[contacts.second])
-    bodies = replace(bodies, **put(bodies, own))
-    layout = replace(layout, bodies=bodies, contacts=contacts, **put(layout, of))
+    bodies = replace(bodies, **put(bodies, in_plane))
+    layout = replace(layout, bodies=bodies, contacts=contacts, **put(layout, across_plane))
     strips[slab] = False
     return without(layout, strips)
 
@@ -354,12 +354,12 @@ def _bars(layout):
         z = (round(floor.level / height) - 0.5) * height
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
             n = max(1, int(np.ptp(span.along) / floor.anchor_spacing + TINY))
-            own = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
-            crossings.append(("", [(span, (one + 0.5) / n, *own) for one in range(n)]))
+            strengths = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
+            crossings.append(("", [(span, (one + 0.5) / n, *strengths) for one in range(n)]))
     for ties in house.ties:
         span = ties.span(house)
-        own = (ties.stiffness, ties.tension, ties.compression)
-        bars = [(span, *place, *own) for place in ties.places(span)]
+        strengths = (ties.stiffness, ties.tension, ties.compression)
+        bars = [(span, *place, *strengths) for place in ties.places(span)]
         crossings.append((f"ties of {' and '.join(ties.walls)}", bars))
     return crossings
 

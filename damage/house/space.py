@@ -111,9 +111,11 @@ class HouseLayout(Layout):
         # A joint of a wall has three points in a row, through the thickness; one between two walls
         # has three such rows.  A point in the middle is beside itself.
         between = self.joint_wall < 0
-        own = np.arange(len(self.joint_wall))
-        row, place = np.divmod(own - np.where(between, self.joint_wall.argmin(), 0), 3)
-        return np.column_stack([own + 1 - place, own + np.where(between, 3 * (1 - row % 3), 0)])
+        numbers = np.arange(len(self.joint_wall))
+        row, place = np.divmod(numbers - np.where(between, self.joint_wall.argmin(), 0), 3)
+        return np.column_stack(
+            [numbers + 1 - place, numbers + np.where(between, 3 * (1 - row % 3), 0)]
+        )
 
     def inner(self, joints):
         """Contact points beside these, towards the middle of the thickness."""
@@ -153,11 +155,11 @@ class HouseLayout(Layout):
         places = []
         normals = []
         for body in (self.contacts.first, self.contacts.second):
-            of = np.maximum(body, 0)
-            centre = self.unfolded[of]
+            body_index = np.maximum(body, 0)
+            centre = self.unfolded[body_index]
             ground = (body < 0)[:, None]
-            places.append(np.where(ground, self.place, centre + self.arms(of)))
-            turned = np.einsum("nij,nj->ni", self.of_body[of], self.axes[:, 0])
+            places.append(np.where(ground, self.place, centre + self.arms(body_index)))
+            turned = np.einsum("nij,nj->ni", self.of_body[body_index], self.axes[:, 0])
             normals.append(np.where(ground, self.axes[:, 0], turned))
         return np.stack(places), np.stack(normals), self.reach
 
@@ -253,8 +255,8 @@ class HouseLayout(Layout):
             (result[1], contacts.second, 1.0),
         ):
             moving = np.flatnonzero(body >= 0)
-            of = body[moving]
-            d = np.einsum("nij,nj->ni", self.of_body[of], self.axes[moving, direction])
+            bodies = body[moving]
+            d = np.einsum("nij,nj->ni", self.of_body[bodies], self.axes[moving, direction])
             turned = np.cross(self.arms(np.maximum(body, 0))[moving], d)
             row[moving] = sign * np.column_stack(
                 [d[:, 0], d[:, 2], -turned[:, 1], d[:, 1], turned[:, 0], turned[:, 2]]

@@ -30,8 +30,8 @@ class Blocks(NamedTuple):
         """These with `own` on the diagonal, where coordinates that are not free, bool (n_bodies,
         coordinates), are coupled to no other."""
         values = self.values * free[self.row][:, :, None] * free[self.column][:, None, :]
-        at = np.arange(free.shape[1])
-        values[np.flatnonzero(self.row == self.column)[:, None], at, at] += own
+        index = np.arange(free.shape[1])
+        values[np.flatnonzero(self.row == self.column)[:, None], index, index] += own
         return self._replace(values=values)
 
     def sparse(self):
@@ -138,8 +138,8 @@ def factorised(blocks):
     padded = np.where((places[row] < places[column])[:, None, None], padded.swapaxes(1, 2), padded)
     parts = padded.reshape(-1, nodes, SIZE, nodes, SIZE).swapaxes(2, 3)
     i, j = (
-        nodes * pick(places[row], places[column])[:, None, None] + at
-        for pick, at in ((np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes)))
+        nodes * pick(places[row], places[column])[:, None, None] + index
+        for pick, index in ((np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes)))
     )
     i, j = np.broadcast_arrays(i, j)
     lower = np.zeros((len(below), SIZE, SIZE))
@@ -158,18 +158,18 @@ def _elimination(pairs, n):
     for a, b in pairs:
         left[a] |= {b} - {a}
         left[b] |= {a} - {b}
-    heap = sorted((len(of), body) for body, of in left.items())
+    heap = sorted((len(rows), body) for body, rows in left.items())
     order = []
     columns = []
     while heap:
         degree, body = heappop(heap)
         if body in left and degree == len(left[body]):
-            of = left.pop(body)
-            for other in of:
-                left[other] = (left[other] | of) - {body, other}
+            rows = left.pop(body)
+            for other in rows:
+                left[other] = (left[other] | rows) - {body, other}
                 heappush(heap, (len(left[other]), other))
             order.append(body)
-            columns.append(of)
+            columns.append(rows)
     return order, columns
 
 
@@ -177,9 +177,11 @@ def _structure(places, columns, nodes):
     """`start` and `below` of a Factor whose bodies, at these places in the order, have so many
     nodes each."""
     below = []
-    for place, of in enumerate(columns):
+    for place, column in enumerate(columns):
         others = [
-            nodes * other + k for other in sorted(places[list(of)].tolist()) for k in range(nodes)
+            nodes * other + k
+            for other in sorted(places[list(column)].tolist())
+            for k in range(nodes)
         ]
         below += [
             [*range(nodes * place + k + 1, nodes * (place + 1)), *others] for k in range(nodes)

@@ -91,14 +91,14 @@ def _stiffness(layout, free, massless=0.0, of=slice(None)):
     """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on
     the diagonal; of: which contact points."""
     joints = joint_stiffness(layout, of=of)
-    own = np.zeros(layout.rigid_mass.shape)
+    diagonal = np.zeros(layout.rigid_mass.shape)
     free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
         top = top_of(layout.wall)
-        own[:, 0] = _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
+        diagonal[:, 0] = _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
     if layout.strain is not None:
-        own = np.hstack([own, layout.strain.stiffness])
-    return joints.bounded(free, np.where(free, own, massless))
+        diagonal = np.hstack([diagonal, layout.strain.stiffness])
+    return joints.bounded(free, np.where(free, diagonal, massless))
 
 
 def _of_bearing(layout, stiffness):

@@ -121,15 +121,15 @@ def corners_table(history):
     contacts = history.contacts.with_any("state", "opening_m", "offset_m")
     tables = []
     for walls, joints in corner_joints(history).items():
-        of = np.isin(contacts.joints, joints)
+        in_corner = np.isin(contacts.joints, joints)
         tables.append(
             pd.DataFrame(
                 {
                     "corner": " / ".join(walls),
                     "time_s": history.series["time_s"],
-                    "opening_m": contacts.opening_m[:, of].max(axis=1, initial=0.0),
-                    "offset_m": np.abs(contacts.offset_m[:, of]).max(axis=1, initial=0.0),
-                    "failed_share": contacts.broken[:, of].sum(axis=1) / len(joints),
+                    "opening_m": contacts.opening_m[:, in_corner].max(axis=1, initial=0.0),
+                    "offset_m": np.abs(contacts.offset_m[:, in_corner]).max(axis=1, initial=0.0),
+                    "failed_share": contacts.broken[:, in_corner].sum(axis=1) / len(joints),
                 }
             )
         )

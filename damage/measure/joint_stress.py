@@ -102,11 +102,11 @@ def sections_table(history, moments=MOMENTS):
     area, length = (history.joints[name].to_numpy() for name in ("area_m2", "length_m"))
     places = history.joints[["x_m", "z_m"]].to_numpy()
     rows = []
-    of = sections(history)
+    tables = sections(history)
     for moment, sample in zip(moments, choose_samples(history, moments)):
         stress = history.joint_stress_pa[sample].astype(float)
         time_s = float(history.series["time_s"].iloc[sample])
-        for part, *_, is_bed, across, joints in of:
+        for part, *_, is_bed, across, joints in tables:
             along = places[joints, 0 if is_bed else 1]
             (sigma, tau) = stress[joints].T
             middle = np.average(along, weights=area[joints])
@@ -216,8 +216,8 @@ def stress_report(history, moments=MOMENTS):
 def _extremes(stresses):
     """Least and largest of normal and shear stresses (n, 2) [Pa], by the names of the report."""
     return {
-        f"{which}_{kind}_stress_pa": float(getattr(of, which)())
-        for kind, of in zip(("normal", "shear"), stresses.T)
+        f"{which}_{kind}_stress_pa": float(getattr(values, which)())
+        for kind, values in zip(("normal", "shear"), stresses.T)
         for which in ("min", "max")
     }
 

@@ -162,8 +162,8 @@ def line_of(result, value, residual=None, known=MappingProxyType({"whole": ""}))
     """A Result as a line for people: label, value, residual, unit, and what it is of, with what
     else is known of the run."""
     rest = "" if residual is None else result.shown(residual)
-    of = " ".join(filter(None, (result.unit, result.of.format(**known))))
-    return f"{result.label:22s}{result.shown(value):>9s} {rest:>9s}  {of}".rstrip()
+    unit = " ".join(filter(None, (result.unit, result.of.format(**known))))
+    return f"{result.label:22s}{result.shown(value):>9s} {rest:>9s}  {unit}".rstrip()
 
 
 def lines_of(summary):

@@ -63,8 +63,8 @@ def build(layout):
     system = system_of(tables, 0)
     system.material[:] = material_of(layout.wall.joint)
     _set_strengths(system.strengths, layout)
-    for name, of in range_left(ContactState(), law_of(system))._asdict().items():
-        system.states[f"elastic_{name}"] = of
+    for name, values in range_left(ContactState(), law_of(system))._asdict().items():
+        system.states[f"elastic_{name}"] = values
     system.states["idle"] = -1.0
     sum_springs(system, layout.strain)
     system.radiation[: len(radiation)] = radiation
@@ -96,15 +96,15 @@ def _radiation(layout, row):
 
 def strain_tables(layout):
     """The Strain of a damage.wall.layout.Layout, None of rigid bricks."""
-    of = layout.strain
-    if of is None:
+    strain = layout.strain
+    if strain is None:
         return None
-    resting = np.zeros((len(layout.supports), of.n_modes))
+    resting = np.zeros((len(layout.supports), strain.n_modes))
     return Strain(
-        np.vstack([of.stiffness, resting]),
-        np.vstack([of.damping, resting]),
-        of.shapes,
-        np.column_stack([of.first, of.second]).astype(INDEX),
+        np.vstack([strain.stiffness, resting]),
+        np.vstack([strain.damping, resting]),
+        strain.shapes,
+        np.column_stack([strain.first, strain.second]).astype(INDEX),
     )
 
 
@@ -200,15 +200,15 @@ def _interfaces(layout):
 
 def law_of(system):
     """LawParameters of all contact points, without fracture energies."""
-    of = system.strengths
+    strengths = system.strengths
     area = system.contacts["area"]
     return LawParameters(
-        of["normal_stiffness"] * area,
-        of["shear_stiffness"] * area,
-        of["tensile_strength"],
-        of["cohesion"],
+        strengths["normal_stiffness"] * area,
+        strengths["shear_stiffness"] * area,
+        strengths["tensile_strength"],
+        strengths["cohesion"],
         Material(*system.material),
-        compressive_strength=of["compressive_strength"],
+        compressive_strength=strengths["compressive_strength"],
     )
 
 
@@ -222,11 +222,11 @@ def sum_springs(system, strain=None):
     start = system.interfaces["start"]
     offset = system.contacts["offset"]
     limits = system.limits
-    of = law_of(system)
-    kn = of.normal_stiffness
-    ks = of.shear_stiffness
+    law = law_of(system)
+    kn = law.normal_stiffness
+    ks = law.shear_stiffness
     with np.errstate(divide="ignore", invalid="ignore"):
-        opening, slide, ratio = elastic_range(of)
+        opening, slide, ratio = elastic_range(law)
         limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)
         limits[:, LARGEST_SLIDE] = np.minimum.reduceat(slide, start)
     sums = (np.add.reduceat(one, start) for one in (kn, ks, kn * offset, kn * offset**2))
@@ -240,7 +240,7 @@ def sum_springs(system, strain=None):
     )
     # Contacts that can crush, those of deformable bricks, and failed ones are evaluated by
     # themselves, too.
-    alike &= (of.compressive_strength == np.inf) & (strain is None)
+    alike &= (law.compressive_strength == np.inf) & (strain is None)
     limits[
         ~np.logical_and.reduceat(alike, start) | (limits[:, HAS_FAILED] > 0), LARGEST_OPENING
     ] = -np.inf

@@ -153,18 +153,18 @@ def build_loose(layout, system, time_step):
     )
     half_x = bodies.length / 2 - radius
     half_z = bodies.height / 2 - radius
-    at = np.zeros(len(supports))
+    place = np.zeros(len(supports))
     cores = np.vstack(
         [
             np.column_stack([bodies.x, bodies.z, -half_x, half_x, -half_z, half_z]),
             np.column_stack(
                 [
                     supports.x,
-                    at,
+                    place,
                     edges[:-1] - supports.x,
                     edges[1:] - supports.x,
-                    at - GROUND_M,
-                    at - radius,
+                    place - GROUND_M,
+                    place - radius,
                 ]
             ),
         ]
@@ -614,8 +614,8 @@ def break_bonds(n, tables, interface, step, motion):
     """Let all bonds of an interface fail, and log those that were intact; returns False where it is
     elastic."""
     for i in range(interface.start, interface.stop):
-        of = strengths_of(n, tables.strengths, i)
-        if of.tensile_strength == np.inf and of.cohesion == np.inf:
+        strengths = strengths_of(n, tables.strengths, i)
+        if strengths.tensile_strength == np.inf and strengths.cohesion == np.inf:
             return False
     for i in range(interface.start, interface.stop):
         if load(n, tables.states, i, contacts.BROKEN) == 0.0:

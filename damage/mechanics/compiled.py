@@ -98,10 +98,10 @@ def delete_other_versions():
     """Delete the machine code of other versions of these sources, which numba would never
     delete."""
     folder = kept_in()
-    for kept in folder.glob("*.nb[ic]") if folder else []:
-        if DIGEST not in kept.name:
+    for file in folder.glob("*.nb[ic]") if folder else []:
+        if DIGEST not in file.name:
             with suppress(OSError):  # another process deletes it, too, or the folder is read-only
-                kept.unlink()
+                file.unlink()
 
 
 def _compiler(is_entry=False, inline=False):

@@ -261,16 +261,16 @@ def ask_law(n, tables, i, trial, shear):
 @inlined
 def parameters_of(n, tables, i):
     """LawParameters of contact point i, times its area."""
-    of = rows.strengths_of(n, tables.strengths, i)
+    strengths = rows.strengths_of(n, tables.strengths, i)
     return LawParameters(
         *rows.stiffness_of(n, tables, i),
-        of.tensile_strength,
-        of.cohesion,
+        strengths.tensile_strength,
+        strengths.cohesion,
         rows.material_of(n, tables.material, 0),
-        of.mode_i_energy,
-        of.mode_ii_energy,
-        of.compressive_strength,
-        of.crushing_energy,
+        strengths.mode_i_energy,
+        strengths.mode_ii_energy,
+        strengths.compressive_strength,
+        strengths.crushing_energy,
     )
 
 

@@ -36,27 +36,27 @@ def spread(n, tables):
     dt = bench.step
     x = rows.first_force(tables.bodies) + X
     force = before
-    there = zero(n)
+    total = zero(n)
     speed = zero(n)
     mean = zero(n)
     local = bits(bench.local > 0.0) > 0
     for b in range(len(tables.turning)):
         share = load(n, tables.turning, b, 1)
-        there = there + share * rows.place_of(n, tables.bodies, b, X)
+        total = total + share * rows.place_of(n, tables.bodies, b, X)
         speed = speed + share * rows.velocity_of(n, tables.inertia, b, X)
         mean = mean + share * rows.mean_of(n, tables.inertia, b, X)
     lost = bench.alpha * (1.0 - bench.follow) * (speed - mean)
-    change = (place - there) / dt - speed + dt * lost
+    change = (place - total) / dt - speed + dt * lost
     for _ in range(4 if local else 1):
         rate = zero(n)
         freedom = zero(n)
         for b in range(len(tables.turning)):
             share = load(n, tables.turning, b, 1)
-            own = load(n, tables.bodies, b, x)
-            power = (own + share * force) * rows.velocity_of(n, tables.inertia, b, X)
+            coordinate = load(n, tables.bodies, b, x)
+            power = (coordinate + share * force) * rows.velocity_of(n, tables.inertia, b, X)
             damped = either(power > 0.0, bench.local, either(power < 0.0, -bench.local, 0.0))
             free = share * (1.0 - damped) * rows.inverse_mass_of(n, tables.inertia, b, X)
-            rate = rate + free * own
+            rate = rate + free * coordinate
             freedom = freedom + free * share
         spreads = freedom > 0.0
         force = (change / dt - rate) / either(spreads, freedom, 1.0)

@@ -88,9 +88,9 @@ def _scaled(layout, time_step, beta, held, of):
     strain = layout.strain
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     share = [half * (time_step + beta + time * ground) for time in radiation_times(layout.options)]
-    own = np.where(mass > 0, mass, MASSLESS)
+    inertia = np.where(mass > 0, mass, MASSLESS)
     free = mass > 0
     if strain:
-        own[:, RIGID:] += half * (time_step * strain.stiffness + strain.damping * strain.mass)
+        inertia[:, RIGID:] += half * (time_step * strain.stiffness + strain.damping * strain.mass)
     free.flat[held] = False
-    return joint_stiffness(layout, share, of).bounded(free, own)
+    return joint_stiffness(layout, share, of).bounded(free, inertia)

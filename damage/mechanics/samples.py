@@ -117,9 +117,9 @@ def observe_stored(n, tables, ending, sampling):
     """Write the elastic energies of all contact points."""
     for c in range(len(tables.contacts)):  # without a branch, so that the divisions are vectorized
         now = reading_of(n, tables.readings, c)
-        of = strengths_of(n, tables.strengths, c)
+        strengths = strengths_of(n, tables.strengths, c)
         stored = tables.contacts[c].area * elastic_energy(
-            now.sigma, now.tau, of.normal_stiffness, of.shear_stiffness
+            now.sigma, now.tau, strengths.normal_stiffness, strengths.shear_stiffness
         )
         for w in range(lanes(n)):
             if ending >> w & 1:

@@ -603,8 +603,8 @@ class TopDisplacement(Loading):
         def area(until_s):
             until_s = np.maximum(until_s, 0.0)
             knot = np.searchsorted(times, until_s, side="right") - 1
-            there = linear(until_s, times, points)
-            return areas[knot] + (points[knot] + there) / 2 * (until_s - times[knot])
+            displacement = linear(until_s, times, points)
+            return areas[knot] + (points[knot] + displacement) / 2 * (until_s - times[knot])
 
         time_s = np.asarray(time_s, dtype=np.float64)
         return (area(time_s) - area(time_s - EASE_S)) / EASE_S

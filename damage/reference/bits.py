@@ -103,16 +103,16 @@ def _digests(case, out):
     words = [str(shipped_path(case.wall)), *_placed(case.words), "--no-pictures", "--quiet"]
     seeds = [["--seed", str(seed)] for seed in range(MEMBERS)] if case.members else [[]]
     lines = {str(k): [*words, *seed, "--out", f"{out}_{k}.h5"] for k, seed in enumerate(seeds)}
-    kept = dict.fromkeys(lines, HistoryInMemory)
+    histories = dict.fromkeys(lines, HistoryInMemory)
     # the same record stands for the vertical component, which is warned of
     with redirect_stdout(io.StringIO()), heard():
-        failed = [name for name, status in run_references(lines.items(), kept) if status]
+        failed = [name for name, status in run_references(lines.items(), histories) if status]
     if failed:
         raise RunError(
             f"{case.wall} {case.words}: the run failed (member {failed[0]}); look at the messages"
             " above"
         )
-    return digests_of([kept[name].history() for name in lines])
+    return digests_of([histories[name].history() for name in lines])
 
 
 def digests_of(histories):

@@ -136,8 +136,12 @@ class ReferenceSolver(ReferenceWall, Solver):
         time."""
         stiffness = self.system.bearings["stiffness"]
         force = self.system.bearings["force"]
-        held = stiffness > 0
-        return 0.5 * float(np.sum(force[held] ** 2 / stiffness[held])) if held.any() else 0.0
+        in_bearing = stiffness > 0
+        return (
+            0.5 * float(np.sum(force[in_bearing] ** 2 / stiffness[in_bearing]))
+            if in_bearing.any()
+            else 0.0
+        )
 
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]:
@@ -180,8 +184,8 @@ class ReferenceSolver(ReferenceWall, Solver):
         tables = self.lanes.tables
         lane = self.lanes.lane_of(self)
         columns = {
-            name: of[lane] if name in LOGS else of[..., lane]
-            for name, of in zip(Tables._fields, tables)
+            name: values[lane] if name in LOGS else values[..., lane]
+            for name, values in zip(Tables._fields, tables)
             if name not in SHARED + WORK
         }
         loose = (

@@ -27,7 +27,9 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     plan = layout.plan
     options = layout.options
     lintels = describe_lintels(plan)
-    own = "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
+    lintels_in_words = (
+        "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
+    )
     replaced = [text for one in layout.walls for text in replaced_lintels(one, options.lintel)]
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
@@ -43,7 +45,7 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
         *lintels,
         *replaced,
         (
-            f"lintel{own}: "
+            f"lintel{lintels_in_words}: "
             f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}"
         ),
         (

@@ -90,5 +90,5 @@ def describe_events(table):
 
 def with_added(summary, history):
     """A summary with what applications add to it (`damage.run.options.SUMMARY`)."""
-    added = {name: of(history) for name, (of, _) in SUMMARY.items()}
+    added = {name: measure(history) for name, (measure, _) in SUMMARY.items()}
     return summary | {name: value for name, value in added.items() if value is not None}

@@ -205,11 +205,11 @@ class Run:
         """Advance until the wall is at rest; returns False when interrupted."""
         while self._continues():
             yield from self._advance(LOOK_STEPS)
-            held = self.time - self._ramp_s
+            hold_s = self.time - self._ramp_s
             unbalanced = self._unbalanced_force()
             self._looks.append((self.time, unbalanced))
             self.writer.look(*self._looks[-1])
-            if held >= HOLD_S and (unbalanced < AT_REST or held > HOLD_AT_MOST_S):
+            if hold_s >= HOLD_S and (unbalanced < AT_REST or hold_s > HOLD_AT_MOST_S):
                 return True
         return False
 

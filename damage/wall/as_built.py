@@ -216,14 +216,14 @@ def describe_cap(cap):
 def describe_top(layout):
     """Lines on a damage.wall.layout.Layout: the stress in its piers by the load on top, each cap
     and restraint."""
-    of = layout.options
+    options = layout.options
     bodies = layout.bodies
     wall = layout.wall
     restraints = [restraint.describe(layout.top_mass) for restraint in wall.restraints]
     if layout.top_mass == 0:
         return ["no mass on top: no precompression", *restraints]
     on_top = (bodies.course == CAP_COURSE) & (top_of(wall) is None)
-    over = "the length of the wall" if of.load == "length" else "the piers alone"
+    over = "the length of the wall" if options.load == "length" else "the piers alone"
     places = ", ".join(f"{left:.5g} to {right:.5g} m" for left, right in layout.plan.piers)
     return [
         (

@@ -223,11 +223,20 @@ def _lintel_rows(plan, options, bodies, cells):
         segments = round(segments_of(options) * (top - bottom) / (plan.wall.brick.length / 2))
         parts = max(least, segments) if both_lintels else 1
         size = (top - bottom) / parts
-        at = POINT_POSITIONS[options.contacts]
+        positions = POINT_POSITIONS[options.contacts]
         beside += [
-            (HEAD, one, other, cell, facing, x, bottom + size * (k + (1 + up) / 2), size / len(at))
+            (
+                HEAD,
+                one,
+                other,
+                cell,
+                facing,
+                x,
+                bottom + size * (k + (1 + up) / 2),
+                size / len(positions),
+            )
             for k in range(parts)
-            for up in at
+            for up in positions
         ]
     return beside, cuts
 
@@ -253,11 +262,11 @@ def _touching(parts, ends, bottom, top):
 def _head_pairs(bodies, n_bricks, cells):
     """(kind, cell on the left, cell on the right) of every head joint."""
     here = cells.body[:-1]
-    there = cells.body[1:]
+    right = cells.body[1:]
     met = (
-        (there < n_bricks)
-        & (here != there)
-        & (bodies.course[here] == bodies.course[there])
+        (right < n_bricks)
+        & (here != right)
+        & (bodies.course[here] == bodies.course[right])
         & (np.abs(cells.right[:-1] - cells.left[1:]) < TINY)
     )
     return [(HEAD, index, index + 1) for index in np.flatnonzero(met)]

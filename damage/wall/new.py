@@ -100,17 +100,17 @@ def _python(path_of_shipped, path, name):
     source = path_of_shipped.stem
     tree = ast.parse(shipped)
     title = ast.get_docstring(tree).splitlines()[0]
-    kept = [
+    nodes = [
         node
         for node in tree.body
         if isinstance(node, (ast.FunctionDef, ast.Assign, ast.Import, ast.ImportFrom))
         and not _OF_YADE & _imported(node)
     ]
     # and comments inside
-    parts = ["\n".join(shipped.splitlines()[node.lineno - 1 : node.end_lineno]) for node in kept]
+    parts = ["\n".join(shipped.splitlines()[node.lineno - 1 : node.end_lineno]) for node in nodes]
     text = "".join(
         f"\n\n{part}\n" if isinstance(node, ast.FunctionDef) else f"{part}\n"
-        for node, part in zip(kept, parts)
+        for node, part in zip(nodes, parts)
     )
     head = _HEAD.format(path=path, source=source, title=title)
     return head + text.replace(f'name="{source}"', f'name="{name}"', 1)

@@ -93,7 +93,7 @@ def fastest_decay(layout):
         )
     mass = np.stack([bodies.mass, bodies.mass, bodies.inertia], axis=1)[on]
     root = np.sqrt(mass[:, :, np.newaxis] * mass[:, np.newaxis])
-    return float(max(eigen(of)[0].max() for of in rates / root))
+    return float(max(eigen(rate)[0].max() for rate in rates / root))
 
 
 def _in_series(one, other):

@@ -59,7 +59,10 @@ class BrickModes:
         dz = self._sum(2 / self.height * along_z)
         strain = dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]
         return np.stack(
-            [sum(modulus * of for modulus, of in zip(row, strain)) for row in self.elasticity],
+            [
+                sum(modulus * share for modulus, share in zip(row, strain))
+                for row in self.elasticity
+            ],
             axis=1,
         )
 
@@ -121,11 +124,11 @@ def brick_modes(brick, length, order=ORDER):
     strains = [k for k in range(2 * n) if k not in (constant, n + constant, along_x)]
     squares = []
     vectors = []
-    for of in ((0, 0), (0, 1), (1, 0), (1, 1)):
-        own = [k for k in strains if tuple(parity[k]) == of]
-        eigenvalues, of_own = eigen(matrix[np.ix_(own, own)])
-        whole = np.zeros((2 * n, len(own)))
-        whole[own] = of_own
+    for parities in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        group = [k for k in strains if tuple(parity[k]) == parities]
+        eigenvalues, of_own = eigen(matrix[np.ix_(group, group)])
+        whole = np.zeros((2 * n, len(group)))
+        whole[group] = of_own
         whole[along_x], whole[along_z] = turn[3] * whole[along_z], turn[2] * whole[along_z]
         squares.append(eigenvalues)
         vectors.append(whole)
@@ -196,7 +199,7 @@ def strain_of(brick, options, bodies, contacts, n_bricks):
     """
     modes = [_brick_modes(brick, length) for length in bodies.length[:n_bricks]]
     frequency = np.zeros((len(bodies), len(modes[0].frequency)))
-    frequency[:n_bricks] = [of.frequency for of in modes]
+    frequency[:n_bricks] = [mode.frequency for mode in modes]
     own_mass = brick.density * brick.thickness * bodies.length * bodies.height
     # Where the top course carries mass, all of a brick is heavier alike: the modes stay, at lower
     # frequencies.

@@ -222,12 +222,12 @@ def describe(values):
             continue
         error = one["standard_error"]
         scatter = one["scatter"]
-        said = [counted(one["specimens"], "specimen")]
-        said += [] if error is None else [f"standard error {error:.2g}"]
-        said += [] if scatter is None else [f"scatter {100 * scatter:.2g} %"]
+        counts = [counted(one["specimens"], "specimen")]
+        counts += [] if error is None else [f"standard error {error:.2g}"]
+        counts += [] if scatter is None else [f"scatter {100 * scatter:.2g} %"]
         if "characteristic" in one:
-            said.append(f"characteristic {one['characteristic']:.3g}")
-        lines.append(f"{name} = {one['value']:.4g}".ljust(34) + f"# {', '.join(said)}")
+            counts.append(f"characteristic {one['characteristic']:.3g}")
+        lines.append(f"{name} = {one['value']:.4g}".ljust(34) + f"# {', '.join(counts)}")
     if "cohesion" in values:
         scatter = values["cohesion"]["scatter"]
         lines.append(f"# strengths of a wall's joints: --strength-cov {scatter:.2g}")

@@ -125,8 +125,8 @@ def bilinear(curve: pd.DataFrame, height: float) -> dict[str, float]:
     drift, force = _from_zero(curve)
     peak = force.max()
     secant = int(np.argmax(force >= SECANT_SHARE * peak))
-    at = _crossing(drift, force, secant - 1, SECANT_SHARE * peak)
-    stiffness = SECANT_SHARE * peak / (at * height)
+    secant_drift = _crossing(drift, force, secant - 1, SECANT_SHARE * peak)
+    stiffness = SECANT_SHARE * peak / (secant_drift * height)
     last = int(np.flatnonzero(force >= ULTIMATE_SHARE * peak)[-1])
     ultimate = (
         drift[last]
@@ -194,13 +194,13 @@ def capacity(history: History, to: float | None = None) -> dict:
         for curve in curves
     ]
     reaches = farthest >= FAR_ENOUGH * to
-    there = np.mean(np.array(forces), axis=0).tolist() if reaches else (None, None)
+    mean_and_left = np.mean(np.array(forces), axis=0).tolist() if reaches else (None, None)
     return {
         "peak_force_n": float(peaks[0]),
         "drift_at_peak": float(peaks[1]),
         **means,
         "to": to,
-        **dict(zip(("mean_force_n", "left_n"), there)),
+        **dict(zip(("mean_force_n", "left_n"), mean_and_left)),
         "farthest_drift": farthest,
         "ended": means["ultimate_drift"] <= FAR_ENOUGH * farthest,
         "failure": mode_shares(history, until=means["ultimate_drift"]),
@@ -273,7 +273,7 @@ def cycles_table(history: History) -> pd.DataFrame:
                 number + 1,
                 loading.amplitudes_pct[number // loading.cycles],
                 *loop_measures(drift[inside], force[inside], history.attributes["drift_height_m"]),
-                *(index[name].iloc[at] for at in ends for name in COMPONENTS),
+                *(index[name].iloc[sample] for sample in ends for name in COMPONENTS),
             ]
         )
     return pd.DataFrame(rows, columns=list(CYCLE_COLUMNS))

@@ -145,18 +145,18 @@ def compare_drift(first: History, second: History) -> dict:
     they never do;
     rms_whole: the RMS difference of the entire runs [-].
     """
-    time, here, there = _common_drift(first, second)
+    time, first_drift, second_drift = _common_drift(first, second)
     breaks = [
         history.events["time_s"][history.events["kind"].isin(BREAKS)] for history in (first, second)
     ]
     failure = float(np.concatenate(breaks).min(initial=np.inf))
     before = time <= failure
-    difference = here - there
+    difference = first_drift - second_drift
     rms = None
     if before.any():
-        scale = np.sqrt(np.mean(here[before] ** 2))
+        scale = np.sqrt(np.mean(first_drift[before] ** 2))
         rms = float(np.sqrt(np.mean(difference[before] ** 2)) / scale) if scale > NOISE else 0.0
-    peak = np.abs(here).max(initial=NOISE)
+    peak = np.abs(first_drift).max(initial=NOISE)
     apart = np.flatnonzero(np.abs(difference) > DIVERGED * peak)
     return {
         "first_failure_s": None if np.isinf(failure) else failure,
@@ -165,7 +165,9 @@ def compare_drift(first: History, second: History) -> dict:
         "agrees": None if rms is None else bool(rms <= DRIFT_TOLERANCE),
         "diverged_at_s": float(time[apart[0]]) if len(apart) else None,
         "rms_whole": (
-            float(np.sqrt(np.mean(difference**2) / np.mean(here**2))) if peak > NOISE else 0.0
+            float(np.sqrt(np.mean(difference**2) / np.mean(first_drift**2)))
+            if peak > NOISE
+            else 0.0
         ),
     }
 
@@ -241,33 +243,33 @@ def compare_joints(first: History, second: History) -> dict:
     states; median_break_time_difference_s: of the joints that failed in both [s], None without any.
     """
     here = joints_ever(first)
-    there = joints_ever(second)
-    either = here["broken"] | there["broken"]
-    both = here["broken"] & there["broken"]
-    shift = (here["first_break_s"] - there["first_break_s"])[both].dropna()
+    second_states = joints_ever(second)
+    either = here["broken"] | second_states["broken"]
+    both = here["broken"] & second_states["broken"]
+    shift = (here["first_break_s"] - second_states["first_break_s"])[both].dropna()
     return {
         "broke_in_either": int(either.sum()),
         "broke_in_both": int(both.sum()),
-        "kappa": cohens_kappa(here["state"][either], there["state"][either]),
-        "same_state": int((here["state"] == there["state"])[either].sum()),
+        "kappa": cohens_kappa(here["state"][either], second_states["state"][either]),
+        "same_state": int((here["state"] == second_states["state"])[either].sum()),
         "median_break_time_difference_s": float(shift.abs().median()) if len(shift) else None,
     }
 
 
-def cohens_kappa(here: np.ndarray, there: np.ndarray) -> float | None:
+def cohens_kappa(first: np.ndarray, second: np.ndarray) -> float | None:
     """Cohen's kappa [-] (1960, doi:10.1177/001316446002000104) of two classifications; None where
     they are empty.
 
     here, there: (n,) indices of `damage.history.moments.JOINT_STATES`.  1: they agree in all; 0: as
     often as by chance.
     """
-    here = np.asarray(here)
-    there = np.asarray(there)
-    if len(here) == 0:
+    first = np.asarray(first)
+    second = np.asarray(second)
+    if len(first) == 0:
         return None
-    mine, theirs = (np.bincount(values, minlength=len(JOINT_STATES)) for values in (here, there))
-    chance = float(mine @ theirs) / len(here) ** 2
-    observed = float(np.mean(here == there))
+    mine, theirs = (np.bincount(values, minlength=len(JOINT_STATES)) for values in (first, second))
+    chance = float(mine @ theirs) / len(first) ** 2
+    observed = float(np.mean(first == second))
     return 1.0 if chance == 1.0 else (observed - chance) / (1 - chance)
 
 

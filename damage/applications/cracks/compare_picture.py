@@ -70,10 +70,15 @@ def joint_agreement(first, second):
     The contact points between two bricks are one joint, so that discretisations may differ.
     """
     here = joints_ever(first)
-    there = joints_ever(second)
-    both = here["broken"] & there["broken"]
+    second_states = joints_ever(second)
+    both = here["broken"] & second_states["broken"]
     kinds = np.select(
-        [both & (here["state"] == there["state"]), both, here["broken"], there["broken"]],
+        [
+            both & (here["state"] == second_states["state"]),
+            both,
+            here["broken"],
+            second_states["broken"],
+        ],
         ["same", "other", "first", "second"],
         default="intact",
     )

@@ -80,7 +80,7 @@ def patterns_of(history):
     return Patterns(
         np.array(list(rows), "i4"),
         active.joints[used].astype("i4"),
-        *(of[:, used].astype("f4") for of in (opening, offset)),
+        *(values[:, used].astype("f4") for values in (opening, offset)),
         displacement.astype("f4"),
     )
 

@@ -56,7 +56,7 @@ def loop_measures(drift, force, height):
         *(100 * drift[[high, low]]),
         *(force[[most, least]] / 1e3),
         *(100 * drift[[most, least]]),
-        *(100 * _unloaded(drift, force, at) for at in (high, low)),
+        *(100 * _unloaded(drift, force, index) for index in (high, low)),
         lost,
         lost / (4 * np.pi * stored) if stored > 0 else np.nan,
     ]
@@ -82,11 +82,11 @@ def _unloaded(drift, force, start):
     drift, force = (np.roll(values[:-1], -start) for values in (drift, force))
     drift = np.append(drift, drift[0])
     force = np.append(force, force[0])
-    at = int(np.argmax(force * force[0] <= 0))
-    if at == 0:
+    index = int(np.argmax(force * force[0] <= 0))
+    if index == 0:
         return drift[0] if force[0] == 0 else np.nan
-    share = force[at - 1] / (force[at - 1] - force[at])
-    return drift[at - 1] + share * (drift[at] - drift[at - 1])
+    share = force[index - 1] / (force[index - 1] - force[index])
+    return drift[index - 1] + share * (drift[index] - drift[index - 1])
 
 
 LOOP_FILE = {

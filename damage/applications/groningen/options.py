@@ -64,11 +64,11 @@ def _digest(options):
     """`Draws.digest`, which takes a quarter of a second and is asked for of each run: once while no
     record changes."""
     draws = read_address(options["address"])
-    kept = vars(draws)
+    given = vars(draws)
     times = [path.stat().st_mtime_ns for path in shipped_records().values()]
-    if kept.get("digest_at") != times:
-        kept |= {"digest_at": times, "digest_then": draws.digest()}
-    return kept["digest_then"]
+    if given.get("digest_at") != times:
+        given |= {"digest_at": times, "digest_then": draws.digest()}
+    return given["digest_then"]
 
 
 register(

@@ -88,8 +88,8 @@ def _on_a_map(ax, place, table, shown, named):
         alpha=0.8,
         zorder=2,
     )
-    at = place.x_m / 1e3, place.y_m / 1e3
-    ax.plot(*at, ls="", color=style.VERMILLION, zorder=4, clip_on=False, **star)
+    place_km = place.x_m / 1e3, place.y_m / 1e3
+    ax.plot(*place_km, ls="", color=style.VERMILLION, zorder=4, clip_on=False, **star)
     for number, event in enumerate(named, 1):
         ax.annotate(
             f"{number}",

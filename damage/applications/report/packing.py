@@ -53,8 +53,8 @@ def fewer_colours(image, colours=64):
 
 def as_png(figure, dots_per_inch=150, colours=64):
     """A matplotlib Figure as PNG of so many colours in base64."""
-    held = io.BytesIO()
+    buffer = io.BytesIO()
     small = io.BytesIO()
-    figure.savefig(held, format="png", dpi=dots_per_inch, bbox_inches="tight")
-    fewer_colours(Image.open(held), colours).save(small, "PNG", optimize=True)
+    figure.savefig(buffer, format="png", dpi=dots_per_inch, bbox_inches="tight")
+    fewer_colours(Image.open(buffer), colours).save(small, "PNG", optimize=True)
     return base64.b64encode(small.getvalue()).decode("ascii")

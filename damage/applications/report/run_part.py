@@ -156,15 +156,16 @@ def drawn(history, index):
     besides."""
     chosen = instants(history, index)
     lines = _lines(history, index)
-    kept = points(np.array([lines[name] for name in SERIES]), chosen)
+    indices = points(np.array([lines[name] for name in SERIES]), chosen)
     wall, more = _moving_wall(history, chosen)
-    arrays = {name: values[kept].astype("f4") for name, values in lines.items()}
+    arrays = {name: values[indices].astype("f4") for name, values in lines.items()}
     settling, settlement = (
-        (history.series["stage"] == stage).to_numpy()[kept] for stage in ("settling", "settlement")
+        (history.series["stage"] == stage).to_numpy()[indices]
+        for stage in ("settling", "settlement")
     )
     settles = settling | settlement if is_moving(history.series).any() else settling
     arrays |= {
-        "instant": np.searchsorted(kept, chosen).astype("i4"),
+        "instant": np.searchsorted(indices, chosen).astype("i4"),
         "settles": settles.astype("u1"),
         **wall,
     }
@@ -173,8 +174,8 @@ def drawn(history, index):
         more
         | pack_arrays(arrays)
         | {
-            "settling": spans_of(time_s[kept], settling),
-            "settlement": spans_of(time_s[kept], settlement),
+            "settling": spans_of(time_s[indices], settling),
+            "settlement": spans_of(time_s[indices], settlement),
             "collapsed_at_s": history.collapsed_at_s,
             # as precise as the times that it is compared with
             "at_max": float(np.float32(time_s[int(np.argmax(index["DI"]))])),

@@ -144,9 +144,9 @@ def study_part(folder):
         about = read_toml(folder / "study.toml", *STUDY_FILE)
     except InputError:
         about = {}
-    words, of = labels(points)
+    words, labels_of = labels(points)
     walls, unread = cracked_walls(folder, summary, points)
-    kinds = {name: list(dict.fromkeys(values)) for name, values in of.items()}
+    kinds = {name: list(dict.fromkeys(values)) for name, values in labels_of.items()}
     return {
         "name": str(about.get("name") or folder.resolve().name),
         "title": str(about.get("title") or ""),
@@ -159,7 +159,9 @@ def study_part(folder):
             | {
                 "number": number,
                 "words": words[number],
-                "of": [str(kinds[name].index(values[number])) for name, values in of.items()],
+                "of": [
+                    str(kinds[name].index(values[number])) for name, values in labels_of.items()
+                ],
                 "picture": walls.get(number),
             }
             for number, (_, row) in enumerate(points.iterrows())
@@ -170,7 +172,7 @@ def study_part(folder):
         "axes": axes(kinds),
         "legend": kinds,
         "shown": next(iter(walls), None),
-        "charts": charts(points, list(zip(*of.values())), about.get("intensity")),
+        "charts": charts(points, list(zip(*labels_of.values())), about.get("intensity")),
         "n_runs": len(summary),
         "figures": figures(folder),
         "fragility": _fragility(folder, summary),
@@ -219,8 +221,8 @@ def axes(kinds):
 
     kinds: {name: its different values}.
     """
-    own = [name for name in kinds if name not in ("motion", "solver")]
-    varied = [name for name in (*own, "motion") if len(kinds[name]) > 1]
+    keys = [name for name in kinds if name not in ("motion", "solver")]
+    varied = [name for name in (*keys, "motion") if len(kinds[name]) > 1]
     varied.sort(key=lambda name: len(kinds[name]) > len(RUN_STYLES))
     return [*varied, *varied, "wall", "wall"][:2] if len(varied) < 2 else varied[:2]
 

@@ -173,11 +173,13 @@ def run_one(asked, path, lock=None):
 def _say_changed(changed):
     """Say in a line which runs were not made as their inputs changed; changed: as of Pool."""
     if changed:
-        of = {task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed}
+        points = {
+            task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed
+        }
         print(
             f"error: {len(changed)} runs were not made, as inputs changed since the study began:"
-            f" {some_of(list(of.values()), 3)}; restore these and give the same command, or give it"
-            " with the new ones: it makes all runs of these points again",
+            f" {some_of(list(points.values()), 3)}; restore these and give the same command, or"
+            " give it with the new ones: it makes all runs of these points again",
             file=sys.stderr,
         )
 
@@ -204,7 +206,7 @@ class Batch:
         """Bring all up to date; returns the exit status."""
         results = Results(self.folder)
         verdict = results.judge(self.runs)
-        said = results.bring_up_to_date(verdict, self.asked.remake)
+        messages = results.bring_up_to_date(verdict, self.asked.remake)
         print(
             f"{self.what}{': ' if self.study.title else ''}{self.study.title}",
             f"{self.unit}: {len(self.runs)}, {self.asked.jobs} at a time, into {self.folder}",
@@ -216,7 +218,7 @@ class Batch:
             run.id: Point(run, results, self.asked.keep, self.study.pictures == "all")
             for run in self.runs
         }
-        warn(*said)
+        warn(*messages)
         if self.asked.slice:
             name = "records-{}-of-{}.jsonl".format(*self.asked.slice)
         else:

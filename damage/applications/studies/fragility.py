@@ -361,7 +361,10 @@ def _interval(low, high):
     if len(low) < 2:
         return np.full((2, *low.shape[1:]), np.nan)
     with np.errstate(invalid="ignore"):
-        ends = [np.percentile(values, at, axis=0) for values, at in zip((low, high), _PERCENTILES)]
+        ends = [
+            np.percentile(values, percentile, axis=0)
+            for values, percentile in zip((low, high), _PERCENTILES)
+        ]
     return np.where(np.isfinite(ends), ends, np.nan)
 
 
@@ -493,8 +496,12 @@ def choices_of(folder, intensity=None, states=()):
 
 def mixed(runs):
     """Sentences on walls whose runs differ by more than the motion and what is drawn."""
-    for wall, of in runs.groupby("wall", sort=False):
-        names = [name for name in _ALIKE if name in of and of[name].nunique(dropna=False) > 1]
+    for wall, runs_of_wall in runs.groupby("wall", sort=False):
+        names = [
+            name
+            for name in _ALIKE
+            if name in runs_of_wall and runs_of_wall[name].nunique(dropna=False) > 1
+        ]
         if names:
             yield f"wall {wall}: one curve through runs that differ in {', '.join(names)}"
 

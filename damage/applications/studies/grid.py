@@ -32,7 +32,7 @@ def expand(grid, where, rows=None):
     grid: a table with `vary` and any others, which are kept; rows: dictionaries of values that
     belong together, as `read_rows` returns them.  Raises InputError, which says what is wrong.
     """
-    kept = {key: value for key, value in grid.items() if key not in ("vary", "rows")}
+    fixed = {key: value for key, value in grid.items() if key not in ("vary", "rows")}
     rows = rows or [{}]
     vary = grid.get("vary", {} if "rows" in grid else None)
     if not isinstance(vary, dict) or not (vary or "rows" in grid):
@@ -52,13 +52,13 @@ def expand(grid, where, rows=None):
             f"{where}: vary and rows both name {twice[0]!r}; expected it in one of them; take"
             " one out"
         )
-    if unused := sorted({*lists, *rows[0]} - _names(kept)):
+    if unused := sorted({*lists, *rows[0]} - _names(fixed)):
         raise InputError(
             f"{where}: vary names {unused[0]!r}, which nothing uses; expected {{{unused[0]}}} in"
             " its wall or options; write it there or take it out"
         )
     return [
-        _replaced(kept, row | dict(zip(lists, chosen)), where)
+        _replaced(fixed, row | dict(zip(lists, chosen)), where)
         for row in rows
         for chosen in itertools.product(*lists.values())
     ]

@@ -73,12 +73,12 @@ class Results:
         """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is
         bad."""
         verdict = Verdict()
-        there = defaultdict(list)
+        histories = defaultdict(list)
         for name in sorted({*self.records.runs, *self.histories}):
-            there[point_of(name)].append(name)
+            histories[point_of(name)].append(name)
         for run in runs:
             inputs = inputs_of(run, ROOT)
-            names = there[run.id]
+            names = histories[run.id]
             replaced = replaced_lintels(inputs.wall, inputs.settings.model.lintel)
             verdict.lintels |= dict.fromkeys(replaced)
             content = as_json(inputs)
@@ -202,9 +202,9 @@ class Results:
 
 def _warnings(verdict, remake):
     """What a Verdict has to say: a list of str."""
-    said = list(verdict.lintels)
+    warnings = list(verdict.lintels)
     if verdict.changed:
-        said.append(
+        warnings.append(
             f"{len(verdict.changed)} points were made from other inputs and are made again: "
             + some_of(
                 [
@@ -216,12 +216,12 @@ def _warnings(verdict, remake):
         )
     if verdict.models:
         what = "are made again" if remake else "are kept; --remake makes them again"
-        said.append(
+        warnings.append(
             f"{len(verdict.models)} runs were made by another version of the model"
             f" ({', '.join(sorted(set(verdict.models.values())))}) and {what}:"
             f" {some_of(list(verdict.models))}"
         )
-    return said
+    return warnings
 
 
 def _today(solver, model):

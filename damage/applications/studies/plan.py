@@ -22,15 +22,15 @@ def print_plan(study, folder, remake=False):
     """
     results = Results(folder)
     verdict = results.judge(study.runs)
-    there = _there(results, verdict, remake)
-    left = [run for run in study.runs if not there[run]]
+    present = _there(results, verdict, remake)
+    left = [run for run in study.runs if not present[run]]
     fewest = sum(run.members for run in left)
     most = sum(run.most_members for run in left)
     print(f"study {study.name}{': ' if study.title else ''}{study.title}")
     print(*solver_lines(study, folder), sep="\n")
     warn(*verdict.lintels)
     for run in study.runs:
-        print(f"  {run.id:60s}  {_state(run, there[run])}")
+        print(f"  {run.id:60s}  {_state(run, present[run])}")
     print(
         f"points: {len(study.runs)}, {len(study.runs) - len(left)} there; "
         f"runs to make: {'up to ' if most != fewest else ''}{most}, into {folder}",
@@ -58,20 +58,20 @@ def unfinished(folder):
     except (InputError, OSError):
         return None
     results = Results(folder)
-    there = [run for run in study.runs if results.names_of(run)]
+    present = [run for run in study.runs if results.names_of(run)]
     if way_on(folder) is None:  # which solver was meant
-        solvers = {run.solver for run in there}
+        solvers = {run.solver for run in present}
         study = replace(study, runs=tuple(run for run in study.runs if run.solver in solvers))
-    if len(there) == len(study.runs):
+    if len(present) == len(study.runs):
         return None
     tables = folder / "tables" / "summary.csv"
     before = (
         ""
-        if tables.is_file() or not there
+        if tables.is_file() or not present
         else f"; tables of those: {command_of(file, folder, name='study-tables')}"
     )
     return (
-        f"study {study.name}: {len(there)} of {len(study.runs)} points are done{before};"
+        f"study {study.name}: {len(present)} of {len(study.runs)} points are done{before};"
         f" the others: {command_of(file, folder, options)}"
     )
 
@@ -79,11 +79,11 @@ def unfinished(folder):
 def _there(results, verdict, remake):
     """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
     lost = {*verdict.models, *verdict.measures} if remake else set()
-    there = {}
+    present = {}
     for run in verdict.inputs:
         names = results.names_of(run)
-        there[run] = [] if run in verdict.changed or lost.intersection(names) else names
-    return there
+        present[run] = [] if run in verdict.changed or lost.intersection(names) else names
+    return present
 
 
 def _state(run, names):

@@ -41,11 +41,11 @@ def members_of(history):
         table = read_table(path, [*KEY, "seed", "scatter", "collapsed_at_s"])
     except InputError:
         return None
-    own = summary_row(history)
+    summary = summary_row(history)
     same = len(table) > 0 and all(
         np.isclose(
             table[name].iloc[0],
-            np.nan if own[name] is None else own[name],
+            np.nan if summary[name] is None else summary[name],
             rtol=1e-8,
             atol=0,
             equal_nan=True,

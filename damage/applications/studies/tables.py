@@ -34,18 +34,18 @@ def summary_of(study, folder, records=None):
     of the row's point in its solver.
     """
     records = records or read_records(folder)
-    there = [
+    present = [
         (name, run.point, members)
         for run in study.of_both
         for members in [records.names_of(run)]
         for name in members
     ]
-    if not there:
+    if not present:
         raise InputError(
             f"{folder} holds no run of the study {study.name}; run it first:"
             f" {command_of(study.path, folder, ['--solver', 'reference'])}"
         )
-    rows = {name: records.runs[name]["row"] for name, *_ in there}
+    rows = {name: records.runs[name]["row"] for name, *_ in present}
     if other := [name for name, row in rows.items() if not is_of_today(row)]:
         raise InputError(
             f"{folder}: the index or measures of {len(other)} runs are defined as in another"
@@ -54,7 +54,7 @@ def summary_of(study, folder, records=None):
         )
     table = pd.DataFrame(list(rows.values()))
     table.insert(
-        table.columns.get_loc("solver") + 1, "members", [len(names) for *_, names in there]
+        table.columns.get_loc("solver") + 1, "members", [len(names) for *_, names in present]
     )
     return table
 

@@ -157,8 +157,8 @@ def _calls(app, root):
                 return Response(json_text(work()), content_type="application/json")
         except (InputError, RunError, OSError, UnicodeError) as error:
             # no fault of the page
-            said = json_text({"error": in_language(language, str(error))})
-            return Response(said, content_type="application/json")
+            body = json_text({"error": in_language(language, str(error))})
+            return Response(body, content_type="application/json")
 
     @app.get(f"{root}/api/<name>")
     def look(name):

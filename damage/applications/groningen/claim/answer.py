@@ -99,7 +99,7 @@ def table(worlds):
         for name, hits in zip(ROWS, (now, without_s, without_e, none))
     }
     hits = ~without_e, ~without_s, ~without_e & ~without_s
-    return rows | {name: share(of, worlds.weight * now) for name, of in zip(BUT_FOR, hits)}
+    return rows | {name: share(hit, worlds.weight * now) for name, hit in zip(BUT_FOR, hits)}
 
 
 def widths(worlds, surveyed_mm=None, error_mm=0.0):
@@ -113,8 +113,8 @@ def widths(worlds, surveyed_mm=None, error_mm=0.0):
         np.where(stands, worlds.width[case], 0.0) for case in ("now", "without_earthquakes")
     )
     widths = {
-        name: quantiles(of / MILLIMETRE, weight)
-        for name, of in (("before", before), ("added", left - before), ("left", left))
+        name: quantiles(width / MILLIMETRE, weight)
+        for name, width in (("before", before), ("added", left - before), ("left", left))
     }
     if surveyed_mm is not None and widths["before"]:
         widths["left"] = [surveyed_mm - error_mm, surveyed_mm, surveyed_mm + error_mm]

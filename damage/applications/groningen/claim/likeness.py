@@ -47,5 +47,5 @@ def pairwise(seen, error_m, known_m):
 def strange_share(away, pairs):
     """Share of patterns [-] that are less strange among the others than a survey is among all, 0
     of too few to say; away: (n,) distances of the survey; pairs: of `pairwise`."""
-    own = np.array([strangeness(row) for row in pairs])
-    return float(np.mean(own < strangeness(away))) if len(away) > NEAREST else 0.0
+    strangenesses = np.array([strangeness(row) for row in pairs])
+    return float(np.mean(strangenesses < strangeness(away))) if len(away) > NEAREST else 0.0

@@ -127,8 +127,8 @@ def make_claim(claim, out, jobs, remake=False):
             )
             if done:
                 break
-            said = [f"{draws} draws, not yet the answer: {place}", numbers["more_draws"]]
-            print(*filter(None, said), sep="\n", flush=True)
+            notes = [f"{draws} draws, not yet the answer: {place}", numbers["more_draws"]]
+            print(*filter(None, notes), sep="\n", flush=True)
     print(describe(numbers, claim.language), place, sep="\n")
     return 0
 
@@ -249,11 +249,11 @@ def _evidence(history, outside):
 
 def _crack_in_words(crack):
     """A line on a crack of `damage.applications.groningen.claim.answer.of_cracks`."""
-    said = (
+    cases = (
         f"{case.replace('_', ' ')}: {words('en', 'there_' + crack[case]['said'])}"
         for case in WITHOUT
     )
-    return f"crack {crack['crack']} ({crack['width_mm']:.2g} mm) would be there " + ", ".join(said)
+    return f"crack {crack['crack']} ({crack['width_mm']:.2g} mm) would be there " + ", ".join(cases)
 
 
 def describe(numbers, language="en"):
@@ -262,10 +262,10 @@ def describe(numbers, language="en"):
         f"{numbers['draws']} draws, effective number by priors of settlement "
         + ", ".join(f"{prior}: {value:.0f}" for prior, value in numbers["effective_draws"].items())
     ]
-    said = in_words(numbers, language)
-    lines += [f"no answer: {reason}" for reason in said["why"]] or [
-        *said["answer"],
+    sentences = in_words(numbers, language)
+    lines += [f"no answer: {reason}" for reason in sentences["why"]] or [
+        *sentences["answer"],
         *map(_crack_in_words, numbers["cracks"]),
     ]
-    lines += [f"would help: {one}" for one in said["helps"]]
+    lines += [f"would help: {one}" for one in sentences["helps"]]
     return "\n".join(filter(None, [*lines, numbers["more_draws"]]))

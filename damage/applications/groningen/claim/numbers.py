@@ -125,7 +125,7 @@ def answers(twins, likeness, survey):
 def enough(numbers, most):
     """Whether to stop; most: draws that are made at most.  The intervals of the first table are
     narrow, and an answer does not lack draws alone, or those that it lacks are out of reach."""
-    rows = [row for of in numbers["all_draws"].values() for row in of.values()]
+    rows = [row for draws in numbers["all_draws"].values() for row in draws.values()]
     narrow = all(row["share"] is None or (row["high"] - row["low"]) / 2 <= ENOUGH for row in rows)
     return narrow and not (lacks_draws(numbers) and draws_needed(numbers) <= HOPE * most)
 

@@ -300,14 +300,14 @@ def _evidence(evidence, language):
 
 def _pictures(numbers, wall, survey, twins, say, shown):
     """(SVG, caption) of the survey and of the nearest computed walls."""
-    of = numbers["survey"]
+    survey_numbers = numbers["survey"]
     parts = survey.pattern.stretches
     caption = say(
         "survey_is",
-        cracks=of["cracks"],
-        length=shown(of["crack_length_m"]),
-        width=shown(of["max_width_mm"]),
-        share=round(100 * of["share_on_joints"]),
+        cracks=survey_numbers["cracks"],
+        length=shown(survey_numbers["crack_length_m"]),
+        width=shown(survey_numbers["max_width_mm"]),
+        share=round(100 * survey_numbers["share_on_joints"]),
     )
     pictures = [
         (

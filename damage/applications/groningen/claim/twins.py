@@ -144,12 +144,12 @@ def read_twins(folder, layout):
     records = read_records(folder)
     done = {SHAKEN: {}, BOTH: {}}
     for run in study.runs:
-        of = {
+        runs = {
             run.offset + number: (record, folder / FOLDER / f"{run.name(number)}{ENDING}")
             for number, record in records.of_point(run).items()
         }
         done[run.point.partition("_from")[0]] |= {
-            number: one for number, one in of.items() if one[1].is_file()
+            number: one for number, one in runs.items() if one[1].is_file()
         }
     numbers = sorted(done[SHAKEN].keys() & done[BOTH].keys())
     if len(numbers) < 2:
@@ -158,9 +158,9 @@ def read_twins(folder, layout):
         )
     patterns = {
         point: [
-            read_patterns(path, record.get("patterns")) for record, path in map(of.get, numbers)
+            read_patterns(path, record.get("patterns")) for record, path in map(runs.get, numbers)
         ]
-        for point, of in done.items()
+        for point, runs in done.items()
     }
     whole = {
         name: np.array([pattern.at(moment, layout.n_joints) for pattern in patterns[point]], "f4")
@@ -174,7 +174,7 @@ def read_twins(folder, layout):
     }
     return Twins(
         np.array(numbers),
-        *({name: of[:, k] for name, of in whole.items()} for k in (0, 1)),
+        *({name: runs[:, k] for name, runs in whole.items()} for k in (0, 1)),
         {
             name: fell[point] if moment is None else np.zeros(len(numbers), bool)
             for name, (point, moment) in STATES.items()
@@ -191,8 +191,8 @@ def read_twins(folder, layout):
         pd.DataFrame(
             [{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]
         ),
-        _made_by(folder, [row for of in rows.values() for row in of]),
-        tuple(row["outside_validity"] or "" for of in rows.values() for row in of),
+        _made_by(folder, [row for runs in rows.values() for row in runs]),
+        tuple(row["outside_validity"] or "" for runs in rows.values() for row in runs),
     )
 
 
@@ -200,10 +200,11 @@ def _made_by(folder, rows):
     """`made_by` of Twins; rows: of their runs.  Raises InputError where they are of more than one
     version."""
     values = {name: sorted({str(row.get(name) or UNKNOWN) for row in rows}) for name in MADE_BY}
-    for name, of in values.items():
-        if name.endswith("digest") and len(of) > 1:
+    for name, versions in values.items():
+        if name.endswith("digest") and len(versions) > 1:
             raise InputError(
-                f"{folder}: draws of {len(of)} versions, {name} {', '.join(of)}: expected one on a"
+                f"{folder}: draws of {len(versions)} versions, {name} {', '.join(versions)}:"
+                " expected one on a"
                 " sheet; make the claim again with --remake"
             )
-    return {name: ", ".join(of) for name, of in values.items()}
+    return {name: ", ".join(versions) for name, versions in values.items()}

@@ -121,13 +121,13 @@ class Catalogue:
                     f"{option} {year}: the first event of {self.source} is of {begins}, its last of"
                     f" {ends}; expected a year from {begins} to {ends}"
                 )
-        kept = np.array([first <= time.year <= last for time in self.time])
-        if not kept.any():
+        chosen = np.array([first <= time.year <= last for time in self.time])
+        if not chosen.any():
             raise InputError(
                 f"--from {first} --to {last}: {self.source} has no event in these years; expected a"
                 " first year before the last, and a longer time"
             )
-        return self.at(kept)
+        return self.at(chosen)
 
     def at(self, which):
         """The events at an index, a slice or flags."""
@@ -303,24 +303,24 @@ def _of_the_field(table):
     kinds = table["type"].str.strip().str.lower()
     no_quake = ~kinds.isin(_NO_TYPE) & ~kinds.str.contains("|".join(_EARTHQUAKE))
     field_km = np.array(list(map(from_field_km, table["x_m"], table["y_m"])))
-    kept = np.ones(len(table), bool)
+    inside = np.ones(len(table), bool)
     notes = []
     for out, words in (
         (no_quake, "no earthquake by its type"),
         (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
         (field_km > BESIDE_KM, f"more than {BESIDE_KM:g} km from the epicentres of the field"),
     ):
-        if (out & kept).any():
-            notes.append(f"left out as {words}: {_lines(table['line'][out & kept])}")
-        kept &= ~out
-    deep = kept & (depth > SHALLOW_KM)
+        if (out & inside).any():
+            notes.append(f"left out as {words}: {_lines(table['line'][out & inside])}")
+        inside &= ~out
+    deep = inside & (depth > SHALLOW_KM)
     if deep.any():
         notes.append(
             f"deeper than {SHALLOW_KM:g} km, but taken at the field's depth, 3 km: "
             f"{_lines(table['line'][deep])}; take out what is not of the field"
         )
     rank = table["magnitude"] - 100 * deep  # by which the line of an earthquake stays
-    chosen, pairs = _one_by_one(table.assign(rank=rank)[kept])
+    chosen, pairs = _one_by_one(table.assign(rank=rank)[inside])
     return table.loc[chosen], notes + [
         f"lines {stays.line} and {goes.line} are {seconds:.1f} s and {km:.1f} km apart (M"
         f" {stays.magnitude:g} and {goes.magnitude:g}): taken as one earthquake, line {goes.line}"
@@ -333,24 +333,26 @@ def _one_by_one(events):
     """The index of the events of a table without those of an earthquake that is there already, of
     which the highest rank stays, and (kept, left out, seconds, km) of each of these, rows as
     tuples."""
-    kept = []
+    events_left = []
     pairs = []
     for event in events.itertuples():
-        for place in reversed(range(len(kept))):
-            other = kept[place]
+        for place in reversed(range(len(events_left))):
+            other = events_left[place]
             seconds = (event.time - other.time).total_seconds()
             km = float(hypot(event.x_m - other.x_m, event.y_m - other.y_m)) / 1e3
             most_s, most_km = ONE_EVENT[event.agency != other.agency]
             if seconds <= most_s and km <= most_km:
-                kept[place], goes = (event, other) if event.rank > other.rank else (other, event)
-                pairs.append((kept[place], goes, seconds, km))
+                events_left[place], goes = (
+                    (event, other) if event.rank > other.rank else (other, event)
+                )
+                pairs.append((events_left[place], goes, seconds, km))
                 break
             if seconds > ONE_EVENT[True][0]:
-                kept.append(event)
+                events_left.append(event)
                 break
         else:
-            kept.append(event)
-    return [one.Index for one in sorted(kept, key=lambda one: one.time)], pairs
+            events_left.append(event)
+    return [one.Index for one in sorted(events_left, key=lambda one: one.time)], pairs
 
 
 @lru_cache(maxsize=1)
