@@ -22,8 +22,9 @@ from damage.errors import InputError
 from damage.files import text_lines
 
 MOST_MB = 50
+"""Largest size of a file [MB], which is read in seconds and in less than a gigabyte."""
 MOST_ROWS = 500_000
-"""Size of a file, and its rows: what is read in seconds and in less than a gigabyte."""
+"""Largest number of rows of a file."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 _COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eEdD][-+]?\d+)?") for mark in (",", r"\."))

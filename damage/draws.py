@@ -13,9 +13,11 @@ import numpy as np
 from damage.elementary import exp, log
 
 _LAYERS = 256
+"""Number of layers of the ziggurat."""
 _EDGE = 3.6541528853610087963519472518
+"""Place where the tail of the ziggurat begins, in standard deviations."""
 _AREA = 0.00492867323397465524494
-"""Of the ziggurat: layers, where its tail begins, area of a layer."""
+"""Area of a layer of the ziggurat."""
 _MANTISSA = 2.0**52
 _LOW = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)

@@ -19,9 +19,10 @@ import numpy as np
 from numba.extending import register_jitable
 
 _LN2 = 6.93147180369123816490e-01, 1.90821492927058770002e-10
+"""Parts of ln 2, of which products of the first with counts up to 2**20 are exact."""
 _QUARTER = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21
-"""ln 2, and a quarter of a turn [rad], in parts: products of all but the last with counts up to
-2**20 are exact."""
+"""Parts of a quarter of a turn [rad], of which products of all but the last with such counts are
+exact."""
 _ATAN = (
     3.33333333333329318027e-01,
     -1.99999999998764832476e-01,
@@ -41,8 +42,7 @@ _CENTRES = (
     (19 / 16, 1.0, 7.85398163397448278999e-01, 3.06161699786838301793e-17),
     (39 / 16, 1.5, 9.82793723247329054082e-01, 1.39033110312309984516e-17),
 )
-"""Up to which argument, and around which one, a series is used for `atan`; the function there, in
-two parts."""
+"""Rows of `atan`: largest argument, centre of the series, and `atan` of the centre in two parts."""
 _RIGHT_ANGLE = 1.57079632679489655800e00, 6.12323399573676603587e-17
 _SQRT_HALF = 0.7071067811865476
 _PART = 1024  # values

@@ -11,15 +11,16 @@ from functools import cache
 from pathlib import Path
 
 LEAST = 600_000_000
+"""Address space that a process needs [bytes]: 547 MB measured, with one thread of OpenBLAS."""
 A_THREAD = 150_000_000
-"""Of address space [bytes]: measured are 547 MB with one thread of OpenBLAS, and 136 MB for each
-more."""
+"""Address space that each further thread needs [bytes]: 136 MB measured."""
 YADE = 650_000_000
-"""What YADE takes beside [bytes]: measured are 490 MB; with less than 250 MB more it continues, but
-very slowly."""
+"""Address space that YADE needs beside [bytes]: 490 MB measured; with less than 250 MB more it
+continues, but very slowly."""
 CACHE = "/sys/devices/system/cpu/cpu0/cache/index3"
+"""Folder in which Linux describes the third cache of a processor."""
 USUAL_CACHE = 4_000_000
-"""What processors have of a third cache for each core, about [bytes]."""
+"""Size of the third cache that a core usually has [bytes]."""
 
 
 def hold_buffers():

@@ -12,11 +12,15 @@ from damage.errors import InputError, RunError, WriteError, of_locale, one_line
 from damage.memory import shortage
 
 EXIT_OK = 0
+"""Exit status of a command that is done."""
 EXIT_FAILED = 1
+"""Exit status where a command failed, or was out of memory."""
 EXIT_INPUT = 2
+"""Exit status where the input is bad."""
 EXIT_MISSING = 3
+"""Exit status where a library is missing."""
 EXIT_INTERRUPTED = 130
-"""Done; failed, or out of memory; bad input; a library is missing; interrupted."""
+"""Exit status of an interrupted command."""
 NAMED_OTHERWISE = {"snakemake": ("snakemake", "snakemake (the extra masonry-damage[study])")}
 """Libraries whose packages have other names: {library: (Debian's, what pip installs)}."""
 _OF_OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE)

@@ -41,8 +41,9 @@ SIDES = np.array(
 )
 """Corners of the sides of a box, as of `damage.house.placing.BOX`."""
 ABOVE_DEG = 24.0
+"""Height of the eye above the horizon [deg]."""
 BESIDE_DEG = 35.0
-"""Where one looks from: above the horizon, and beside the normal of the first wall."""
+"""Angle of the eye from the normal of the first wall [deg]."""
 AWAY = 3.5  # distance of the eye from the middle of the house, over the radius of the house
 DARKEST = 0.8  # share of its colour that a side has which the light does not reach
 BEFORE_M = 0.001  # cracks before the bricks beside them

@@ -36,9 +36,9 @@ COLUMN_PT = 205, 340
 SUPPORT_DEPTH = 0.1  # [m], drawn depth of supports that move
 LEGEND_WIDTHS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 THINNEST_PT = 0.3
+"""Width of the line of a crack of no width [pt]."""
 WIDEST_PT = 4.5
-"""Widths of the lines of a crack of no width, and of one of the largest of LEGEND_WIDTHS_MM where
-bricks are large."""
+"""Width of the line of the largest of LEGEND_WIDTHS_MM where bricks are large [pt]."""
 SHARE_OF_BRICK = 0.5
 """Largest width of a line over the drawn height of the lowest brick, so that half of a brick is
 visible."""

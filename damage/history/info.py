@@ -35,8 +35,8 @@ RESULTS = (
     "outside_validity",
     *APPLIED,
 )
-"""Of a history's parameters those that follow from the others: the wall's by its eigenvalues, the
-motion's as applied; the time step, too, unless --dt gives it."""
+"""Parameters of a history that follow from the others: eigenvalues of the wall, the motion as
+applied, and the time step unless --dt gives it."""
 
 
 def check(path: str | Path) -> dict:

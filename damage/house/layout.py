@@ -40,10 +40,11 @@ from damage.wall.layout import Bodies, Cells, Supports, lay_out
 from damage.wall.model_options import ModelOptions
 
 GAP_M = 0.5
-"""Between two walls that are unfolded."""
+"""Distance between two walls that are unfolded [m]."""
 JOIST_PA = 9e9
+"""Modulus of the timber of anchored joists [Pa], C18 of EN 338."""
 JOIST_M2 = 0.075 * 0.2
-"""Modulus of the timber of anchored joists, C18 of EN 338, and their section."""
+"""Section of an anchored joist [m2]."""
 
 
 def lay_out_building(building, options=None, *, scatter=0.0, seed=0):

@@ -19,11 +19,13 @@ from damage.wall.kinds import GROUND, SLAB_COURSE, TINY, rows
 from damage.wall.layout import Layout, Supports
 
 THROUGH = np.array([-1.0, 0.0, 1.0])
+"""Places of contact points through the thickness, over half of it [-]."""
 SHARES = np.array([1.0, 4.0, 1.0]) / 6
-"""Contact points through the thickness: places over half of it, and shares of the area [-]."""
+"""Shares of the area that these contact points have [-]."""
 OF_BODIES = "body_wall", "across_inertia", "offset", "depth"
+"""Fields of a HouseLayout with a row a body."""
 OF_CONTACTS = "joint_wall", "y", "place", "axes", "reach"
-"""Fields of a HouseLayout with a row a body, or a contact point."""
+"""Fields of a HouseLayout with a row a contact point."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -49,9 +49,11 @@ from damage.wall.parameters import Joint
 from damage.wall.split import PEAK
 
 INTACT = 0
+"""Result of `advance`: no bond failed in the step."""
 TENSION = 1
+"""Result of `advance`: the bond failed in tension."""
 SHEAR = 2
-"""Results of `advance`: no failure in the step, failure of the bond in tension, or in shear."""
+"""Result of `advance`: the bond failed in shear."""
 GONE = 0.01
 """Remaining share of its strengths [-] at which a softening bond fails."""
 AREA = 1.0 - GONE

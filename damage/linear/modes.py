@@ -29,9 +29,10 @@ freely."""
 _OF_HIGHEST = 1e-9
 """Tolerance of the highest squared frequency, which is rounded to three digits."""
 _MOST_ITERATIONS = 1000
+"""Largest number of iterations for the first mode."""
 _CONVERGED = 1e-10
-"""Of the first mode: the error falls by the ratio of the two lowest squared frequencies each
-time."""
+"""Error of the first mode [-], which falls by the ratio of the two lowest squared frequencies in
+each iteration."""
 _MOST_KEPT = 16
 _KEPT = {}  # {all that modes, static displacements or scaled masses depend on: these}
 

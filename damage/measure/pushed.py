@@ -9,9 +9,9 @@ from damage.history.reader import History
 from damage.history.schema import Column, measure
 
 INITIAL_SHARE = 0.15
+"""Share of the peak force at which the initial stiffness is taken, on first loading [-]."""
 SECANT_SHARE = 0.7
-"""Shares of the peak force at which the initial and the secant stiffness are taken, on first
-loading."""
+"""Share of the peak force at which the secant stiffness is taken, on first loading [-]."""
 
 
 def since_the_push(history: History) -> tuple[np.ndarray, ...]:

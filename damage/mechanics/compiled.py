@@ -192,7 +192,8 @@ def _is_ours(event):
 
 event.register("numba:compile", _Announcement())
 compiled = _compiler()
+"""Decorator of a function with machine code of its own."""
 inlined = _compiler(inline=True)
+"""Decorator of a function that is compiled into its callers."""
 entry = _compiler(is_entry=True)
-"""Decorators of a function with machine code of its own, of one that is compiled into its callers,
-of one that Python calls, too."""
+"""Decorator of a function with machine code of its own that Python calls."""

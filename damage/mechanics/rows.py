@@ -187,12 +187,15 @@ def force_of(n, bodies, b, k):
 
 
 place_of = column(PLACE, 1)
+"""(n, bodies, b, k): coordinate [m or rad]."""
 velocity_of = column(VELOCITY, INERTIAL)
+"""(n, inertia, b, k): velocity half a step ago [m/s or rad/s]."""
 mass_of = column(MASS, INERTIAL)
+"""(n, inertia, b, k): mass [kg] or moment of inertia [kg m2]."""
 inverse_mass_of = column(INVERSE_MASS, INERTIAL)
+"""(n, inertia, b, k): inverse of the mass, zero where the velocity is prescribed."""
 mean_of = column(MEAN, INERTIAL)
-"""(n, table, row, k): value [m or rad], of `bodies`; of `inertia` velocity half a step ago, mass
-its inverse, zero where the velocity is prescribed, and running mean of the velocity."""
+"""(n, inertia, b, k): running mean of the velocity [m/s or rad/s]."""
 
 
 @inlined

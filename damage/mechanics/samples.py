@@ -30,10 +30,11 @@ from damage.mechanics.simd import argument, either, lane, lanes, load, wall_of, 
 from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 
 KINETIC = 0
+"""Index of the kinetic energy [J] in the totals; `System.energy` follows."""
 ELASTIC = 5
+"""Index of the elastic energy of deformable bricks and of loose contacts [J] in the totals."""
 TOTALS = 6
-"""Indices in the totals: kinetic energy [J], followed by `System.energy`; elastic energy of
-deformable bricks and of loose contacts [J]; and length of the totals."""
+"""Number of totals."""
 
 
 FIELDS = OPENING, SLIP, OFFSET, STATE = range(4)

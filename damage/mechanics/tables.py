@@ -29,14 +29,18 @@ then their forces."""
 VELOCITY, MASS, INVERSE_MASS, MEAN, INERTIAL = range(5)
 """Fields of `inertia`, INERTIAL of them: of coordinate k at INERTIAL k from these."""
 OPENED = 3
-SLIPPED = 4
-"""Kinds of events besides TENSION and SHEAR of the joint law: opening or slip first exceeds the
+"""Kind of an event, beside TENSION and SHEAR of the joint law: the opening first exceeds the
 threshold of damage."""
+SLIPPED = 4
+"""Kind of an event: the slip first exceeds the threshold of damage."""
 INPUT, FRICTION, FRACTURE, DAMPING = range(4)
 """Entries of `energy` [J]."""
 REAL = np.float64
+"""Type of real numbers in the tables."""
 INDEX = np.uint32
+"""Type of indices in the tables."""
 ROW = np.uint64
+"""Type of rows in loops."""
 PARTS = 8
 """Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so
 on."""
@@ -137,14 +141,18 @@ start, stop: row of the first contact point, and that after the last one.
 LIMITS = "largest_opening", "largest_slide", "failed"
 """Fields of the limits of an interface: of `damage.mechanics.interfaces.ElasticLimits`."""
 LARGEST_OPENING, LARGEST_SLIDE, HAS_FAILED = range(3)
+"""Fields of `limits`, in the order of LIMITS."""
 SPRINGS = Springs._fields
+"""Fields of `springs`: what an intact interface needs of its contact points."""
 LINES = Line._fields + Springs._fields
-"""Fields of `springs`, and of `lines`: what an intact interface needs."""
+"""Fields of `lines`: middle line and springs of an intact interface."""
 CONTACT = _row(f8="offset area")
 """Of a contact point, equal in all walls that step together: offset from the interface's middle,
 along +x in bed and -z in head joints [m]; area [m2]."""
 STRENGTHS = Strengths._fields
+"""Fields of `strengths`."""
 READINGS = Reading._fields
+"""Fields of `readings`."""
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""
 RADIATION = "across", "along", "last_normal", "last_shear", "last_couple"

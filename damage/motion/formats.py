@@ -130,8 +130,9 @@ FORMATS = (
 )
 """A file has the format of the first row that fits; anything may be CSV."""
 READ = [row for row in reversed(FORMATS) if row.read]
+"""Formats that are read, the general ones first."""
 NAMES = ", ".join(row.name for row in READ)
-"""Those that are read."""
+"""Names of the formats that are read."""
 
 
 def shipped_record_path(name: str = "BGAR_HGE") -> Path:

@@ -33,17 +33,17 @@ APPLIED = (
 """Keys of `applied_measures`."""
 
 MOST_END_VELOCITY = 0.2
+"""Velocity at a motion's end, as a share of PGV, above which `describe` notes it; windows of
+studies/stations.csv leave up to 0.27."""
 WARNED_END_VELOCITY = 0.5
-"""Velocities at a motion's end, as shares of PGV, above which `describe` notes it and a run warns
-of it.
-
-Windows of studies/stations.csv leave up to 0.27; BLOP_HGE, whose baseline steps, leaves 1.
-"""
+"""Velocity at a motion's end, as a share of PGV, above which a run warns: BLOP_HGE, whose baseline
+steps, leaves 1."""
 
 SLOW_HZ = 0.1
+"""Frequency below which a motion is a baseline's or a permanent displacement [Hz]."""
 WARNED_PGV = 0.5
-"""Frequency below which a motion is a baseline's or a permanent displacement [Hz], and the share of
-PGV without it below which a run warns: of the components that ship one has less than 0.87."""
+"""Share of PGV without such motion below which a run warns: of the components that ship one has
+less than 0.87."""
 
 POINTS_PER_PERIOD = 100
 """Instants a period at which an oscillator's peak is sought: misses 1 - cos(pi/100) < 0.05 %."""

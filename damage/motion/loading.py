@@ -72,12 +72,14 @@ def mean_velocities(
 
 
 PERIODS_S = (1e-3, 1000.0)
+"""Least and largest period of a harmonic base motion [s]."""
 HIGHEST_G = 100.0
+"""Largest peak of a base motion [g]."""
 MOST_CYCLES = 10**6
-"""Of a base motion: least and largest period of a harmonic one [s], peak [g], cycles."""
+"""Largest number of cycles of a harmonic base motion."""
 SINE_SAMPLES = 400
-"""In a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 = 3e-5 of
-the peak."""
+"""Samples in a cycle of a harmonic motion as a record: lines between are off by (pi / 400)^2 / 2 =
+3e-5 of the peak."""
 
 
 class Loading:
@@ -489,13 +491,12 @@ class AtRest(Loading):
 
 BOUNDARIES = ("cantilever", "fixed")
 EASE_S = 0.1
-"""Time that a pushed top takes to start, to turn round and to stop [s]: longer than a wall's first
-period,
-so that it does not make the wall vibrate."""
+"""Time that a pushed top takes to start, to reverse and to stop [s]: longer than a wall's first
+period, so that the wall does not vibrate."""
 DRIFTS_PCT = (1e-6, 100.0)
+"""Least and largest drift that a top is pushed to [%]: less is rounding."""
 SPEEDS_M_S = (1e-6, 1.0)
-"""Least and largest drift that a top is pushed to [%], and speed [m/s]: less is rounding, more is
-not quasi-static."""
+"""Least and largest speed of a push [m/s]: more is not quasi-static."""
 
 
 @dataclass(frozen=True)

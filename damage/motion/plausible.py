@@ -40,6 +40,7 @@ PEAK = plausible(
     "weaker ones are not felt (0.05 % of g: Worden et al., 2012, the intensity scale of "
     "ShakeMap); 4.1 g, the vector sum at station IWTH25 in the Iwate-Miyagi earthquake of 2008",
 )
+"""Range of the PGA of a base motion [g]."""
 VELOCITY = plausible(
     0.0,
     4.0,
@@ -47,7 +48,7 @@ VELOCITY = plausible(
     "3.18 m/s at station TCU068 in the Chi-Chi earthquake of 1999 (Anderson, 2010, Bulletin "
     "of the Seismological Society of America 100)",
 )
-"""Of a base motion: its PGA, and its PGV from rest."""
+"""Range of the PGV of a base motion from rest [m/s]."""
 
 
 def implausible_peak(peak_g):
@@ -102,9 +103,10 @@ def _implausible(name, value, of, cause):
 
 
 MOST_OFFSET = 0.1
-OFFSET_S = 1.0
-"""Mean of a record's first part [s], as a share of its peak, above which zero is off; real ones
+"""Mean of a record's first OFFSET_S, as a share of its peak, above which zero is off; real ones
 have up to 0.015."""
+OFFSET_S = 1.0
+"""Length of a record's first part, over which the mean is taken [s]."""
 
 
 def offset_warnings(record):
@@ -126,9 +128,10 @@ def offset_warnings(record):
 
 
 _NEIGHBOURS = 4
+"""Samples on either side of a spike that are looked at."""
 SPIKE = 5.0
-"""Samples on either side, and how many times their largest deviation but one a spike's is; that of
-the real records tried, with half of the peak or more, is up to 2.6 times."""
+"""Least spike over the largest deviation but one of its neighbours; that of the real records tried,
+with half of the peak or more, is up to 2.6 times."""
 
 
 def spike_warnings(record):

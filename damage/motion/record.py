@@ -13,29 +13,34 @@ from damage.fields import check_fields
 from damage.motion import samples
 
 TIME_STEPS_S = 1e-5, 1.0
+"""Least and largest time step of a record [s]."""
 MOST_SAMPLES = 10**6
+"""Largest number of samples of a record."""
 HIGHEST_M_S2 = 1e5
+"""Largest acceleration of a record [m/s2]."""
 MOST_SCALE = 1e3
-"""Of a record: least and largest time step [s], number of samples, acceleration [m/s2], factor on
-it."""
+"""Largest factor on a record."""
 MOST_MB = 50
-"""Size of its file."""
+"""Largest size of a record's file [MB]."""
 LOWEST_HZ = 1e-3
 """Lowest corner of a band-pass [Hz]: records last minutes."""
 LEAST_A_PERIOD = 10
 """Samples of a record in the wall's first period below which a run interpolates them: lines between
 them take off 1 - sinc^2(1 / 10) = 3 % there (C. Phillips et al., 2012, Soil Dyn. Earthq. Eng.)."""
 FINER = 10
+"""Samples of band-limited interpolation for each one of the record; lines between them take off up
+to 0.8 %."""
 REACH = 64
+"""Samples of the record on either side that count in the interpolation."""
 KAISER_BETA = 8.0
-"""Of band-limited interpolation: samples for each one of the record, samples of the record on
-either side that count, and shape of the Kaiser window: 1e-4 off up to 0.96 of half the sampling
-rate.  Lines between the new samples take off up to 0.8 % there."""
+"""Shape of the Kaiser window of the interpolation: 1e-4 off up to 0.96 of half the sampling
+rate."""
 
 _CHANNEL = r"(?:.*[._-])?(?:[A-Z][GHLN]{}|{}\d?)|RSN\d.*{}"
 VERTICAL = re.compile(_CHANNEL.format("Z", "UD", "(?:UP|DWN|VER)"))
+"""Channels of vertical components: of SEED, as HNZ, of K-NET, as UD, and of PEER's files."""
 HORIZONTAL = re.compile(_CHANNEL.format("[NE12]", "(?:NS|EW)", r"\d{3}"))
-"""Names of records by their channels: of SEED, as HNZ, of K-NET, as UD, and of PEER's files."""
+"""Channels of horizontal components, of the same three."""
 
 
 @dataclass(frozen=True, eq=False)

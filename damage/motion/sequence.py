@@ -23,9 +23,10 @@ COLUMNS = {
     "sample_step_s": Column("s", "of a text without times"),
 }
 MOST_EVENTS = 500
+"""Largest number of events of a sequence, which an attribute of a history can hold."""
 MOST_MOTIONS = 64
-"""Of a sequence, and of different records and windows in it: what an attribute of a history can
-hold."""
+"""Largest number of different records and windows in a sequence, which an attribute of a history
+can hold."""
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,9 @@ PROFILES = ("hogging", "sagging", "tilt", "knick")
 DISTORTIONS = (1e-7, 0.02)
 """Least and largest distortion [-]: more than 1/50 is a wall that is pulled down."""
 MOST_M = 1.0
+"""Largest displacement of a profile from a file [m]."""
 MOST_POINTS = 1000
-"""Of a profile from a file: largest displacement [m] and number of points."""
+"""Largest number of points of a profile from a file."""
 COLUMNS = {
     "x_m": Column("m", "along the wall"),
     "uz_m": Column("m", "of the ground, upwards"),
@@ -28,12 +29,13 @@ COLUMNS = {
     "date": Column("", "of a level", "U"),
 }
 SHORTEST_S = 1.0
+"""Least duration of a settlement [s], which is quasi-static."""
 FASTEST_M_S = 5e-3
-"""Least duration [s] and largest velocity of the ground [m/s]: slow enough to be quasi-static."""
+"""Largest velocity of the ground [m/s], which is quasi-static."""
 _EDGE_M = 1e-6
 END_M = 0.5
-"""How far beyond the outermost levels a wall may reach [m]: there the profile continues
-straight."""
+"""Distance beyond the outermost levels that a wall may reach [m]: the profile continues straight
+there."""
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from damage.wall.restraints import top_of
 
 _SAME = 1e-4  # [m], sizes and places closer than this are as given
 WARN_COURSE = 0.25
+"""Distance of an edge from its place, in courses, above which a run warns."""
 WARN_HEIGHT = 0.05
-"""Distance of an edge from its place, in courses, and share of a height, above which a run
-warns."""
+"""Distance of an edge from its place, as a share of a height, above which a run warns."""
 
 
 class Part(NamedTuple):

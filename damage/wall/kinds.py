@@ -4,24 +4,31 @@ compliance is lumped here alone."""
 import numpy as np
 
 TINY = 1e-6
-"""[m], two positions closer than this are the same."""
+"""Distance below which two positions are the same [m]."""
 GROUND = -1
 """The first support, body -1; others follow as -2, -3, ... (`damage.wall.layout.Supports`)."""
 BED = 0
+"""Kind of a contact point on a bed joint."""
 HEAD = 1
+"""Kind of a contact point on a head joint."""
 CUT = 2
+"""Kind of a contact point on the cut where a brick can split."""
 CAP = 3
+"""Kind of a contact point on a cap's glue."""
 KINDS = ("bed", "head", "brick", "cap")
-"""On bed and head joints, on the cuts where bricks can split, on the caps' glue."""
+"""Names of these kinds in histories."""
 CAP_COURSE = -1
+"""`course` of a cap, or of the beam of a restrained top."""
 SLAB_COURSE = -2
+"""`course` of a concrete floor."""
 LINTEL_COURSE = -3
+"""`course` of a segment of a lintel's beam."""
 ARCH_COURSE = -4
+"""`course` of a brick of an arch."""
 SIDE_COURSE = -5
-"""`course` of bodies that are no bricks of a course, in this order: a cap, or the beam of a
-restrained top; a concrete floor; a segment of a lintel's beam; a brick of an arch; a party wall."""
+"""`course` of a party wall."""
 CAP_HEIGHT = 0.20
-"""Of a cap [m], settled: its centre lies 0.10 m above the wall's top."""
+"""Height of a cap [m], settled: its centre lies 0.10 m above the wall's top."""
 
 
 def rows(body, n_bodies):

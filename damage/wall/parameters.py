@@ -21,10 +21,12 @@ from damage.wall.plan import check_bearing, check_outline, plan_of
 from damage.wall.restraints import Restraint, check_restraints
 
 LONGEST_M = 1000.0
+"""Largest length and height of a wall [m]."""
 LONGEST_NAME = 100
+"""Largest number of characters of a wall's name."""
 MOST_PARTS = 1000
-"""What a wall may have: length and height [m], characters of its name; openings, floors, or points
-of the outline: each is compared with all others."""
+"""Largest number of openings, floors, or points of the outline: each is compared with all
+others."""
 
 
 NO_COHESION = (

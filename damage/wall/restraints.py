@@ -20,7 +20,7 @@ from damage.units import GRAVITY
 
 SIDES = ("top", "left", "right")
 THICK_M = 0.02
-"""Height of the beam, about whose middle a free one turns, and length of a party wall [m]."""
+"""Height of the beam, about whose middle a free one rotates, and length of a party wall [m]."""
 _OF_TOP = ("rotation", "stiffness", "friction", "play", "mass")
 
 

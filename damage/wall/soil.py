@@ -25,8 +25,9 @@ import numpy as np
 from damage.eigen import eigen
 
 DENSITY = 1800.0
+"""Density of the soil that radiates [kg/m3]: wet clay and sand."""
 POISSON_RATIO = 0.4
-"""Of the soil that radiates [kg/m3, -]: wet clay and sand."""
+"""Poisson's ratio of the soil that radiates [-]."""
 
 
 def on_soil(layout):
