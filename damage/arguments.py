@@ -40,8 +40,8 @@ class OneLineParser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 
     def parse_known_args(self, args=None, namespace=None):
-        """As argparse's; an unknown option is refused first, since it may be the wrong name of one
-        that is required."""
+        """Refuse an unknown option first, since it may be the wrong name of one that is required;
+        else argparse's."""
         args = sys.argv[1:] if args is None else list(args)
         # Behind a command they are the command's.
         mine = takewhile(
@@ -89,12 +89,12 @@ def arg(*names, **options):
 
 
 def file_arg(name, metavar, help_=None, **options):
-    """The same of a path."""
+    """An `arg` that is a path."""
     return arg(name, type=file_path, metavar=metavar, help=help_, **options)
 
 
 def flag(name, help_, **options):
-    """The same of an option without a value."""
+    """An option without a value."""
     return arg(name, action="store_true", help=help_, **options)
 
 

@@ -85,8 +85,8 @@ class Draws:
 
 
 def _ziggurat():
-    """Of every layer, arrays: its width over 2**52, the size below which a point is inside the next
-    layer, too, and the density exp(-x^2 / 2) at its width.  Layer 0 is the base with the tail, the
+    """Arrays of the layers: width over 2**52, the size below which a point is inside the next
+    layer, too, and the density exp(-x^2 / 2) at the width.  Layer 0 is the base with the tail, the
     others grow from the top down."""
     width = [_EDGE]
     density = [float(exp(-0.5 * _EDGE * _EDGE))]

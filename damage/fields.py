@@ -15,7 +15,7 @@ from damage.checks import check_choice, check_not_negative, check_range, check_w
 from damage.errors import InputError
 
 MOST_BRICKS = 20_000
-"""Of a wall."""
+"""Largest number of bricks of a wall."""
 MOST_SEED = 2**32 - 1
 MODULI = {"GPa": 1e9, "MPa": 1e6}
 _OTHERS = {
@@ -196,8 +196,8 @@ def implausible_fields(*records, unit=None):
 
 
 def message_of(name, value, of):
-    """Of an implausible value what was expected by a Range, and in which units it would be
-    plausible; None of a plausible one.  The sign does not count.
+    """A message on an implausible value: what a Range expects, and in which units the value would
+    be plausible; None of a plausible one.  The sign does not count.
 
     >>> message_of("--scale", -250.0, Range(0.01, 100, "", {"%": 0.01}, ""))
     '--scale = -250, expected 0.01 to 100: -250 % is -250e-2'

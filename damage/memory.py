@@ -85,7 +85,7 @@ def shortage(beside=0):
 
 
 def _limit():
-    """Of this process's address space [bytes], None where there is none."""
+    """Limit of this process's address space [bytes], None where there is none."""
     try:
         import resource
     except ImportError:  # a system without such limits

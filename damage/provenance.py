@@ -28,7 +28,7 @@ MODEL = [
 in any solver; "*": the modules beside this one.  Applications add what decides the runs that they
 make possible, as the motions that they draw."""
 MEASURES = ["*", "history", "measure", "motion/intensity.py", "wall/geometry.py"]
-"""The same of what makes the numbers of tables out of a history."""
+"""Folders and modules that make the numbers of tables out of a history."""
 _WITHOUT_EFFECT = "__main__.py", "version.py"  # of the modules beside this one
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"

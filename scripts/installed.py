@@ -52,7 +52,7 @@ OLDEST = {
 """The oldest that pyproject.toml allows and that have wheels for this Python."""
 VERSIONS = ("oldest", "newest")
 LIMIT_S = 900
-"""Of one command [s]: what takes longer has failed."""
+"""Limit of one command [s]: what takes longer has failed."""
 WALL = 'from damage import Wall\n\n\ndef wall():\n    return Wall("pier", length=0.9, height=0.9)\n'
 NEEDS = "numpy scipy pandas h5py matplotlib numba"
 WHERE = """

@@ -181,7 +181,7 @@ def _loads():
 
 
 def _forces():
-    """Of each interaction: its bodies, normal and shear force [N], (n, 8)."""
+    """Rows of the interactions: bodies, normal and shear force [N], (n, 8)."""
     return np.array(
         [(i.id1, i.id2, *i.phys.normalForce, *i.phys.shearForce) for i in O.interactions]
     ).reshape(-1, 8)
@@ -219,8 +219,8 @@ def _put_forces(loads, forces):
 
 
 def _removed(solver):
-    """Of each contact point whose interaction is removed, which YADE would make again where its
-    members touch: its number, depth [m], stiffnesses [N/m], coefficient of friction, normal and
+    """Rows of the contact points whose interaction is removed, which YADE would make again where
+    its members touch: number, depth [m], stiffnesses [N/m], coefficient of friction, normal and
     shear force [N], (n, 11)."""
     scene = solver.scene
     return np.array(

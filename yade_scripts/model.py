@@ -131,7 +131,8 @@ class YadeWall:
         )
 
     def tensile_strengths(self, joints):
-        """Of bonds (m,) [Pa], none where one towards a face of the wall has failed (`loosen`)."""
+        """Tensile strengths of bonds (m,) [Pa], zero where one towards a face of the wall has
+        failed (`loosen`)."""
         strengths = self.layout.contacts.tensile_strength[joints]
         failed = np.flatnonzero(~self.bonded[: self.layout.n_joints])
         strengths[np.isin(joints, self.layout.inner(failed))] = 0.0

@@ -12,7 +12,7 @@ from yade_scripts.scene import SceneReader
 
 
 class SpaceReader(SceneReader):
-    """As SceneReader; a body's six coordinates are those of its wall, as of
+    """A SceneReader of a house; a body's six coordinates are those of its wall, as of
     `damage.house.space.HouseLayout`: along it, upwards, rotation from x towards z, across,
     rotations about the axes along and upwards."""
 
@@ -46,8 +46,8 @@ class SpaceReader(SceneReader):
         return np.column_stack([np.outer(along, self._heading), up])
 
     def support_forces(self, displacement):
-        """As of SceneReader: along the heading and upwards, and the moment from the one towards the
-        other."""
+        """Forces on the supports along the heading and upwards, and the moment from the one towards
+        the other, as of SceneReader."""
         along, up, _ = np.transpose(displacement)
         axis = self.push_axis
         forces = []
@@ -110,14 +110,14 @@ class SpaceReader(SceneReader):
         return -np.array([self.geometries[joint].penetrationDepth for joint in select.tolist()])
 
     def shear_stresses(self, select):
-        """As of SceneReader, complex."""
+        """Shear stresses as of SceneReader, complex."""
         shear = [self.physics[joint].shearForce for joint in select.tolist()]
         force = np.array([(on[0], on[1], on[2]) for on in shear]).T
         _, along, through = _product(self._axes[:, :, select], force)
         return -self.model.signs[select] * (along + 1j * through) / self.area[select]
 
     def force_of(self, joint):
-        """As of SceneReader; the shear force is a size."""
+        """Forces as of SceneReader; the shear force is a size."""
         contact = self.model.bonds[joint]
         if not contact.isReal:
             return 0.0, 0.0
@@ -160,7 +160,8 @@ class SpaceReader(SceneReader):
         return 0.5 * float(np.sum(mass * speed**2) + np.sum(spin**2 / self._inertia))
 
     def set_velocities(self, velocities):
-        """By coordinates (n_bodies, 6) [m/s, rad/s]; of three, those of the plane."""
+        """Set velocities by coordinates (n_bodies, 6) [m/s, rad/s]; of three, those of the
+        plane."""
         velocities = np.pad(velocities, ((0, 0), (0, 6 - velocities.shape[1])))
         ux, uz, turning, uy, about_x, about_z = velocities.T
         for state, axes, inertia, vel, spin in zip(
@@ -176,5 +177,5 @@ class SpaceReader(SceneReader):
 
 
 def _product(matrices, vectors):
-    """Of (3, 3, n) and (3, n)."""
+    """Products of matrices (3, 3, n) and vectors (3, n)."""
     return (matrices * vectors).sum(axis=1)

@@ -28,7 +28,7 @@ class Ties:
         return int((~self.model.bonded[self.rows]).sum())
 
     def forces(self):
-        """Of all ties, tension positive (n_ties,) [N]."""
+        """Forces of all ties, tension positive (n_ties,) [N]."""
         opening = [self.scene.opening_of(row) for row in self.rows]
         return self._stiffness * np.array(opening)
 

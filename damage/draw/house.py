@@ -72,7 +72,7 @@ def cracks(space, sample, snapshot, magnify, joints):
 
 
 def corner_cracks(space, number, sample, snapshot, magnify):
-    """As `cracks`, of the joints of a wall, by its number, to others, seen from in front of the
+    """Cracks of the joints between a wall, by its number, and others, seen from in front of the
     wall: one of each pair of bricks and kind, in the gravest state of its points."""
     history = space.history
     placing = space.history.placing

@@ -14,13 +14,13 @@ from damage.wall.geometry import tributary_ends
 
 @dataclass(frozen=True)
 class InSpace:
-    """Of the History of a house.  Bodies -1 are the ground, which rests."""
+    """What the History of a house has in space.  Bodies -1 are the ground, which rests."""
 
     history: History
 
     @cached_property
     def centres(self):
-        """Of the bodies, then of the ground, (n_bodies + 1, 3) [m]."""
+        """Centres of the bodies, then of the ground, (n_bodies + 1, 3) [m]."""
         bodies = self.history.bodies
         house = self.history.house
         local = np.column_stack([bodies["x_m"], house.body_y_m, bodies["z_m"]])

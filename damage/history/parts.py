@@ -33,7 +33,7 @@ class HouseRows(NamedTuple):
     out_of_plane: np.ndarray
 
     def of(self, number, body, joint):
-        """Those of a wall, by flags of its bodies and contact points."""
+        """The rows of a wall, by flags of its bodies and contact points."""
         return HouseRows(
             0 * self.body_wall[body],
             0 * self.joint_wall[joint],

@@ -357,14 +357,14 @@ SHAPES = {
     "placing/body_depth_m": ("bodies",),
     "static_stage": ("looks",),
 }
-"""Of the datasets of a group, or of one: what they have as many of."""
+"""Dimensions of the datasets of a group, or of one dataset, by name."""
 CODES = {
     "run/status": STATUS,
     "series/stage": STAGES,
     "events/kind": EVENTS,
     "joints/kind": ("bed", "head", "brick"),
 }
-"""Of a dataset: what its numbers stand for."""
+"""Meanings of the numbers of a dataset."""
 
 
 def is_moving(series):

@@ -33,8 +33,8 @@ others."""
 
 
 class Range(NamedTuple):
-    """Of a factor: lognormal of mean 1 with a coefficient of variation, or log-uniform between
-    bounds where that is None."""
+    """A distribution of a factor: lognormal of mean 1 with a coefficient of variation, or
+    log-uniform between bounds where that is None."""
 
     cov: float | None
     low: float = 1.0

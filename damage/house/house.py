@@ -205,7 +205,7 @@ class House:
 
     @property
     def names(self):
-        """Of its walls."""
+        """Names of the walls."""
         return [placed.wall.name for placed in self.walls]
 
     @property

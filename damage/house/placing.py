@@ -18,9 +18,9 @@ then at -y."""
 
 
 class Placing(NamedTuple):
-    """Of the walls of a house: names; left end of each as unfolded (n_walls,) [m]; origin (n_walls,
-    3) [m] and axes, along, across and upwards (n_walls, 3, 3), in the house; length and thickness
-    (n_walls,) [m]."""
+    """Places of the walls of a house: names; left end of each as unfolded (n_walls,) [m]; origin
+    (n_walls, 3) [m] and axes, along, across and upwards (n_walls, 3, 3), in the house; length and
+    thickness (n_walls,) [m]."""
 
     names: list
     left: np.ndarray

@@ -153,7 +153,7 @@ class HouseLayout(Layout):
 
     @property
     def places(self):
-        """As of Layout, of the walls as unfolded."""
+        """Places as of Layout, in the walls as unfolded."""
         places = []
         normals = []
         for body in (self.contacts.first, self.contacts.second):
@@ -174,7 +174,7 @@ class HouseLayout(Layout):
 
     @property
     def bases(self):
-        """As of Layout, of each wall."""
+        """Bases as of Layout, one for each wall."""
         base = self.bodies.course == 0
         return [
             (np.flatnonzero(base & (self.body_wall == number)), float(height))
@@ -198,14 +198,15 @@ class HouseLayout(Layout):
         return np.column_stack(result)
 
     def top_and_drift(self, tops, of_base):
-        """As of Layout, of the wall whose drift is the largest, over the height of all drifts."""
+        """Top and drift as of Layout, of the wall whose drift is the largest, over the height of
+        all drifts."""
         drifts = (tops - of_base) / self.drift_heights
         largest = np.abs(drifts).argmax(axis=1)
         top = drifts[np.arange(len(drifts)), largest] * self.drift_height
         return top, top / self.drift_height
 
     def _carries(self, level):
-        """As of Layout: a slab, else the course below in all walls."""
+        """Bodies that carry a floor: a slab, else the course below in all walls."""
         bodies = self.bodies
         on = np.abs(bodies.z + bodies.height / 2 - level) < self.wall.brick.height / 2
         slabs = on & (bodies.course == SLAB_COURSE)
@@ -222,7 +223,7 @@ class HouseLayout(Layout):
 
     @property
     def slide_limits(self):
-        """As of Layout; joints between two walls, and on a slab, have no end."""
+        """Limits as of Layout; joints between two walls, and on a slab, have no end."""
         limits = super().slide_limits
         contacts = self.contacts
         slab = self.depth > self.wall.brick.thickness + TINY
@@ -234,7 +235,7 @@ class HouseLayout(Layout):
 
     @property
     def rigid_mass(self):
-        """As of Layout, then mass and inertia out of the plane, (n_bodies, 6)."""
+        """Mass and inertia as of Layout, then those out of the plane, (n_bodies, 6) [kg, kg m2]."""
         return np.column_stack([super().rigid_mass, self.bodies.mass, self.across_inertia])
 
     @property
@@ -322,7 +323,7 @@ def without(layout, drop):
 
 
 def _remaining(layout, bodies, kept):
-    """Those of a wall's drift that are kept (n,), else all that are kept of their course."""
+    """Bodies of a wall's drift that are kept (n,), else all that are kept of their course."""
     if kept[bodies].any():
         return bodies[kept[bodies]]
     alike = layout.bodies.course == layout.bodies.course[bodies[0]]

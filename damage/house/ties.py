@@ -33,7 +33,7 @@ class Span(NamedTuple):
         return left + (right - left) * share, other
 
     def at(self, share):
-        """The same in plan, (2, 2) [m]."""
+        """Places of both walls in plan at a share of it, (2, 2) [m]."""
         return np.array(
             [
                 wall.origin + along * wall.axes[0, :2]

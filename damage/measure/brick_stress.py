@@ -13,7 +13,7 @@ import numpy as np
 from damage.history.schema import Column, each, measure
 
 SECTION_POSITIONS = ("lower edge", "centre", "upper edge")
-"""Of the middle section."""
+"""Points of the middle section."""
 # of the places of a history
 _WEIGHTS = np.array([[0, 0.5, 0.5, 0, 0], [1, 0, 0, 0, 0], [0, 0, 0, 0.5, 0.5]])
 

@@ -100,7 +100,7 @@ PARAMETERS = {
 """{names: Column} of the parameters that are equal in all runs of a point, but for the motions of
 lives and the walls of samples: of those that differ a point has median and range."""
 OF_THE_FIRST = "time_step_s"
-"""Of this a point has that of its first run."""
+"""Column of which a point has the value of its first run."""
 RUN = {
     "run": Column("", "name of the run"),
     "status": Column("", "complete, interrupted, failed, unfinished"),

@@ -20,7 +20,7 @@ from damage.history.schema import Column
 from damage.wall.kinds import ARCH_COURSE
 
 MOMENTS = "rest", "max", "end"
-"""Of the tables: the first sample, the maximum damage index, the last sample."""
+"""Moments of the tables: the first sample, the maximum damage index, the last sample."""
 _SAME = 1e-6  # [m]
 
 
@@ -223,7 +223,7 @@ def _extremes(stresses):
 
 
 def _most_eccentric(table):
-    """Of each part the section with the largest eccentricity, the first where all are under
+    """Sections with the largest eccentricity, one of each part, the first where all are under
     tension: dictionaries."""
     away = table["eccentricity_over_length"].abs().fillna(-1.0)
     rows = away.groupby(table["part"], sort=False).idxmax()

@@ -132,7 +132,7 @@ CORNERS = {
     "max_offset_mm": RESULTS["max_offset_mm"],
     "failed_share": Result("failed contact points", "%", 3, "", 100.0),
 }
-"""The same of its corners: {key of `damage.measure.house.house_summary`: Result}."""
+"""Results of the corners of a house, {key of `damage.measure.house.house_summary`: Result}."""
 
 
 def result_of(column):

@@ -20,7 +20,7 @@ any speed, where contact points open one after the other."""
 NEXT_TO_NOTHING = 0.001
 """Share of the largest force's work that joints may dissipate in a sample of elastic motion [-]."""
 LEAST_SAMPLES = 10
-"""Of which the drag is known."""
+"""Least number of samples from which the drag is known."""
 
 
 def warnings_of(history: History) -> list[Warned]:

@@ -60,8 +60,8 @@ CENTRE_X, CENTRE_Z, LEFT, RIGHT, LOW, HIGH = range(6)
 """Columns of `cores`: where a body's place is counted from, and the edges of its core from there,
 in its axes [m]."""
 TOUCHING, REST, SLIDE, VISCOUS = range(4)
-"""Of a corner in `springs`: 1 while it touches; rest overlap [m]; tangential spring [m]; force of
-the dashpot [N]."""
+"""Fields of a corner in `springs`: 1 while it touches; rest overlap [m]; tangential spring [m];
+force of the dashpot [N]."""
 PAIRS, SEARCHES, WANTED, INSIDE, FULL = range(5)
 """Entries of `counts`: pairs in the list; searches so far; 1 to have the next step search, as when
 the first joint has ended; how often a corner of a core lay inside another, where no normal is
@@ -84,8 +84,8 @@ energy to 0.5 %."""
 
 
 class Touch(NamedTuple):
-    """Of all loose contacts: radius of the corners [m], normal and tangential stiffness of a corner
-    [N/m], friction [-], share of critical damping of a corner that touches [-]."""
+    """Parameters of all loose contacts: radius of the corners [m], normal and tangential stiffness
+    of a corner [N/m], friction [-], share of critical damping of a corner that touches [-]."""
 
     radius: float
     kn: float

@@ -123,7 +123,7 @@ def store_where(n, table, row, field, which, value):
 
 @register_jitable
 def of_each(n, table, row, field):
-    """As `load`, also of a table of one wall that all walls share."""
+    """Numbers of each wall as by `load`, also from a table of one wall that all walls share."""
     if table.shape[2] == 1:
         return filled(n, table[row, field, 0])
     return load(n, table, row, field)

@@ -40,7 +40,7 @@ REAL = np.float64
 INDEX = np.uint32
 """Type of indices in the tables."""
 ROW = np.uint64
-"""Type of rows in loops."""
+"""Type of row numbers in compiled loops."""
 PARTS = 8
 """Number of partial sums over bodies and interfaces: rows 0, 8, 16 and so on, rows 1, 9, 17 and so
 on."""
@@ -95,8 +95,8 @@ class Beam(NamedTuple):
 
 
 class Strengths(NamedTuple):
-    """Of a contact point: normal and shear stiffness [Pa/m]; strengths [N] and fracture energies
-    [J] as of LawParameters, times its area."""
+    """Parameters of a contact point: normal and shear stiffness [Pa/m]; strengths [N] and fracture
+    energies [J] as of LawParameters, times its area."""
 
     normal_stiffness: float
     shear_stiffness: float
@@ -109,8 +109,8 @@ class Strengths(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """Of a contact point: opening plus plastic closure, negative under compression, and shear
-    displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
+    """Readings of a contact point: opening plus plastic closure, negative under compression, and
+    shear displacement [m]; normal stress, tension positive, and shear stress [Pa]."""
 
     opening: float
     shear: float
@@ -131,7 +131,7 @@ INTERFACE = _row(
     f8="ax az bx bz head slide_least slide_most",
     u4="a b start stop",
 )
-"""Of an interface, equal in all walls that step together.
+"""Row of an interface, equal in all walls that step together.
 
 ax, az, bx, bz: arms from the centres of bodies a and b to the middle of the contact points [m];
 head: 1 for an upright interface, 0 for a bed joint; slide_least, slide_most: shear displacements
@@ -147,8 +147,8 @@ SPRINGS = Springs._fields
 LINES = Line._fields + Springs._fields
 """Fields of `lines`: middle line and springs of an intact interface."""
 CONTACT = _row(f8="offset area")
-"""Of a contact point, equal in all walls that step together: offset from the interface's middle,
-along +x in bed and -z in head joints [m]; area [m2]."""
+"""Row of a contact point, equal in all walls that step together: offset from the interface's
+middle, along +x in bed and -z in head joints [m]; area [m2]."""
 STRENGTHS = Strengths._fields
 """Fields of `strengths`."""
 READINGS = Reading._fields

@@ -16,7 +16,7 @@ from damage.motion.record import MOST_SAMPLES, Record, _shown, _utc
 from damage.units import GRAVITY
 
 MOST_LINES = 2 * MOST_SAMPLES
-"""Of a record's file that is text."""
+"""Largest number of lines of a record's file that is text."""
 UNITS_M_S2 = {
     "m_s2": 1.0,
     "cm_s2": 0.01,
@@ -287,11 +287,12 @@ Room for the rounding of the printed times: four decimals at 150 Hz are 0.75 % o
 """
 
 LONGEST_STEP_S = 0.05
-"""Of a record's samples: beyond it nothing above 10 Hz is recorded, and walls have their first mode
-at 5 to 30 Hz."""
+"""Largest step of a record's samples [s]: beyond it nothing above 10 Hz is recorded, and walls have
+their first mode at 5 to 30 Hz."""
 
 _ROUNDED_SHARE = 0.05
-"""Of the steps that differ from the usual one: fewer are lost samples, more are rounding."""
+"""Share of the steps that differ from the usual one [-]: fewer are lost samples, more are
+rounding."""
 
 _WAY_OUT = "write seconds, or give --sample-step S, the time between two samples [s]"
 

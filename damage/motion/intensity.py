@@ -112,8 +112,8 @@ velocity."""
 
 
 def pgv_rotd100_m_s(record: Record, across: Record) -> float:
-    """As `pgv_m_s`, in the direction in which it is largest [m/s]; the velocity is exact at each
-    instant looked at."""
+    """Peak ground velocity in the direction in which it is largest [m/s]; the velocity is exact at
+    each instant looked at."""
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
 
     def velocity(one):

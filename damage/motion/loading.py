@@ -188,7 +188,7 @@ class Harmonic(Loading):
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
     def applied(self) -> Record | None:
-        """As of any Loading, by SINE_SAMPLES a cycle as far as a record's steps allow; None where
+        """Record of the motion, SINE_SAMPLES a cycle as far as a record's steps allow; None where
         it has too many."""
         shortest, longest = prepare.TIME_STEPS_S
         # four, so that a sample is at every peak
@@ -308,8 +308,8 @@ class Recorded(Loading):
         return prepare.scaled(record, self.scale)
 
     def for_period(self, period_s: float) -> "Recorded":
-        """As of any Loading: interpolated where the record has fewer than LEAST_A_PERIOD samples in
-        the period."""
+        """The loading, interpolated where the record has fewer than LEAST_A_PERIOD samples in the
+        period."""
         coarse = self.record.time_step_s > period_s / prepare.LEAST_A_PERIOD
         return replace(self, interpolated_for_s=float(period_s)) if coarse else self
 
@@ -322,11 +322,11 @@ class Recorded(Loading):
         return float(1 - np.sinc(self.record.time_step_s / self.interpolated_for_s) ** 2)
 
     def applied(self) -> Record:
-        """As of any Loading: the prepared horizontal record."""
+        """The prepared horizontal record."""
         return self.motion[0]
 
     def applied_across(self) -> Record | None:
-        """As of any Loading: prepared as the component along the wall."""
+        """The record across the wall, prepared as the component along it."""
         return None if self.across is None else self._prepared(self.across)
 
     @property

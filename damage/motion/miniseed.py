@@ -19,7 +19,7 @@ QUIET_S = 2.0
 ACCELERATION_UNITS = {"M/S**2", "M/S^2", "M/S2", "M/SEC**2", "M/S/S"}
 """Spellings of m/s2 that StationXML files use, in capitals."""
 COUNTS_UNITS = {"COUNTS", "COUNT"}
-"""Those of a digitiser's counts."""
+"""Units of a digitiser's counts."""
 SENSITIVITY_TOLERANCE = 0.05
 """Largest difference of an overall sensitivity from the product of its stages' gains, as a share:
 room for gains at several frequencies."""

@@ -13,11 +13,11 @@ import numpy as np
 from damage.elementary import sin_of_turns, tan
 
 _WHOLE = 2.0**-30
-"""Of a step: a time so near to a sample's is the sample's.  Rounding of times leaves up to 2**-32
-of the step at the last of a million samples."""
+"""Share of a step within which a time is that of a sample [-].  Rounding of times leaves up to
+2**-32 of the step at the last of a million samples."""
 _TERMS = 30
-"""Of the power series of the Bessel function I0: for arguments up to 8 the rest is below 1e-30 of
-it."""
+"""Terms of the power series of the Bessel function I0: for arguments up to 8 the rest is below
+1e-30 of it."""
 
 
 def linear(x, at, values):

@@ -39,7 +39,7 @@ class ReferenceSolver(ReferenceWall, Solver):
     stretch_samples = 60  # half of what is stored at once (`damage.history.buffer.CHUNK`)
 
     def start(self, base, gravity=None):
-        """As ReferenceWall.start; input and dissipated energies are zero from here."""
+        """Start the ReferenceWall; input and dissipated energies are zero from here."""
         super().start(base, gravity)
         self.energy[:] = 0.0
 

@@ -30,11 +30,11 @@ POINT_POSITIONS = {
     "corners": (-1.0, 1.0),
     "gauss": (-1 / np.sqrt(3), 1 / np.sqrt(3)),
 }
-"""Of the contact points between two facing cells, along the half length from their middle.  Two
-Gauss points integrate what is of third order along the cell exactly, and with it the energy of any
-opening that is linear."""
+"""Places of the contact points between two facing cells, along the half length from their middle.
+Two Gauss points integrate what is of third order along the cell exactly, and with it the energy of
+any opening that is linear."""
 _HALVES = (-0.5, 0.5)
-"""The same of a bed joint of a single cell: the middles of its halves."""
+"""Places of the contact points of a bed joint of a single cell: the middles of its halves."""
 
 
 @dataclass(frozen=True)

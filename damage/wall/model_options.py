@@ -12,7 +12,7 @@ SOILS = (1e5, 1e12)
 """Least and largest modulus of subgrade reaction [N/m3]."""
 
 _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
-"""Of lintels that are whole by their name."""
+"""Kinds of lintels that are complete by their name."""
 _OF_SOIL = ("soil_shear", "footing", "soil_velocity")
 
 

@@ -22,8 +22,8 @@ from damage.errors import InputError
 from damage.rounded import to_bits
 
 ORDER = 2
-"""Of the polynomials: the least that bends bricks; of order 3, which doubles the modes, walls of
-stiff joints are softer by 0.4 %."""
+"""Order of the polynomials: the least that bends bricks; of order 3, which doubles the modes, walls
+of stiff joints are softer by 0.4 %."""
 MASS_FACTOR = 9.0
 """On the mass of strain modes: the critical time step grows from 4.2 to 8.6 us, and first periods
 of walls, to which the modes give stiffness alone, keep five digits."""
@@ -67,7 +67,7 @@ class BrickModes:
         )
 
     def _sum(self, terms):
-        """Of terms (n_points, n) by the coefficients: (n_points, 2, n_modes)."""
+        """Sum of terms (n_points, n) by the coefficients: (n_points, 2, n_modes)."""
         return sum(
             terms[:, k, None, None] * self.coefficients[:, k] for k in range(len(self.degrees))
         )
