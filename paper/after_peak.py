@@ -435,7 +435,7 @@ HARD = ["--harmonic", 0.1, 0.3, "--cycles", 5, "--rest", 0.5]
 EQUAL = 1e-3
 """Coefficient of variation of strengths that are as good as equal: chance alone."""
 CRUSHES = 6.2e6
-"""Of COMP1_3's masonry [Pa], the wall by which the paper validates this material."""
+"""Strength of COMP1_3's masonry [Pa], the wall by which the paper validates this material."""
 JOINTS = {
     "brittle": (False, EQUAL, False),
     "brittle, strengths scatter": (False, SCATTER, False),

@@ -27,7 +27,7 @@ FIXED = ["--boundary", "fixed"]
 HELD = {"squat_tested": [], "comp2_1": FIXED, "comp2_3": FIXED, "comp2_4": FIXED}
 """Tested wall -> how it is held."""
 EXPLICIT = ["--mass-scaling", "none"]
-"""Of all runs, as those in YADE are."""
+"""Options by which all runs have explicit steps, as those in YADE have."""
 
 
 def wall_file(path, wall):
@@ -68,7 +68,7 @@ class Bench:
         return read_history(out)
 
     def run_in_yade(self, wall, words, *label):
-        """The same in YADE."""
+        """Run a wall in YADE."""
         out = self.path("yade", *label, *words)
         if not is_complete(out):
             file = (

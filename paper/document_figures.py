@@ -216,8 +216,8 @@ def shaken_walls():
 
 LENGTH = 0.225
 HEIGHT = 0.075
-"""Of a brick in the figure of contact points, with its half joints [m]; places there are complex
-numbers, x + i z."""
+"""Height of a brick in the figure of contact points, with its half joints [m]; places there are
+complex numbers, x + i z."""
 
 
 @styled

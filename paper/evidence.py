@@ -312,8 +312,8 @@ def _chosen(points, keys, complaint):
 
 
 def _least_damped(rows):
-    """Of the runs of a point those without viscous damping, or else all; of these those with the
-    longest rest."""
+    """Runs of a point without viscous damping, or else all; of these those with the longest
+    rest."""
     if len(rows) == 1:
         return rows
     undamped = rows[rows["beta_s"].fillna(0) == 0]

@@ -36,7 +36,7 @@ from yade_scripts import COMMAND
 
 SECONDS = 3.0
 INTERVAL_S = 0.01
-"""Of the spandrel: how long it is followed, and how often it is looked at [s]."""
+"""Times of the spandrel: how long it is followed, and how often it is looked at [s]."""
 
 
 def main():
@@ -126,7 +126,7 @@ def first_fall(fall):
 
 
 def speeds(fall):
-    """Of the fastest fallen brick between one instant and the next, (n - 1,) [m/s]."""
+    """Speeds of the fastest fallen brick between one instant and the next, (n - 1,) [m/s]."""
     return np.array(
         [
             fastest_fallen(fall.layout, now, before, interval)

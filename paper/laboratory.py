@@ -33,7 +33,7 @@ LAWS = {
 }
 """What a table calls a case, and what the bench does."""
 CLAY_MODULUS = 4850e6
-"""Of masonry [Pa], at which the clay walls have the measured stiffness: COMP2_4's."""
+"""Modulus of masonry [Pa], at which the clay walls have the measured stiffness: COMP2_4's."""
 SLOW = ["--speed", 2e-3]
 QUICK = ["--speed", 1e-2]
 CYCLES = ["--cyclic", "0.025,0.05,0.1,0.2,0.3", "--cycles", 1, "--speed", 5e-3]

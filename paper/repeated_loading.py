@@ -387,16 +387,16 @@ TESTED = {
     "clay": ("18 to 29", "110 to 740", "15 to 21"),
     "calcium silicate": ("29 to 35", "90 to 190", "13 to 15"),
 }
-"""Of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it [micrometres], of
-clay of all; force lost in the mean of the steps [%] (P. A. Korswagen, dissertation, TU Delft, 2024,
-tables 3.1, 3.2 and 6.1.1)."""
+"""Tests of the spandrels of three steps of 30 repetitions: peak force [kN]; CMOD at it
+[micrometres], of clay of all; force lost in the mean of the steps [%] (P. A. Korswagen,
+dissertation, TU Delft, 2024, tables 3.1, 3.2 and 6.1.1)."""
 TESTED_WALLS = {"one-way": "-16 to -51", "two-way": "+4 to -13, -57 to +1"}
 """Change of the force by a repetition [N], of two ways each."""
 TESTED_GROWTH = {"one-way": "none in the first step, slight beyond", "two-way": "more than one-way"}
-"""Of a width at equal amplitude, in words of the source, which tabulates none (sections 3.2.3 and
-6.1.2)."""
+"""Growth of a width at equal amplitude, in words of the source, which tabulates none (sections
+3.2.3 and 6.1.2)."""
 TESTED_PSI = "small increase in general, in places a decrease"
-"""Of walls (figure 6.1.4 and its text)."""
+"""Growth of Psi of walls (figure 6.1.4 and its text)."""
 
 
 def summary():

@@ -21,7 +21,7 @@ class SpandrelInYade(Spandrel):
         self.wall.damp(local=0.7)
 
     def advance(self, time_s):
-        """As of Specimen."""
+        """Advance as a Specimen."""
         self.wall.advance(max(1, round(time_s / self.wall.time_step)), 10**9, lambda _: True)
 
     def cracks(self):
@@ -51,7 +51,7 @@ class SpandrelInYade(Spandrel):
 
     @property
     def force(self):
-        """As of Spandrel."""
+        """Force as of Spandrel."""
         return -float(self.wall.instants().support_force[0, self._pushed, 1].sum())
 
 

@@ -41,8 +41,8 @@ class Finding:
     value: str
     verdict: str
     margin: float | None = None
-    """Of the criterion, as a share of its limit, below zero outside; None where nothing could be
-    compared."""
+    """Margin of the criterion, as a share of its limit, below zero outside; None where nothing
+    could be compared."""
     model: str = ""
 
     @property
@@ -181,7 +181,7 @@ def _of_one_point(kind, component, margin, find, *where):
 
 
 def _of_points(kind, component, margin, find, *where):
-    """The same of the values of several points."""
+    """Finding on the values of several points."""
 
     def judged(evidence):
         column = evidence.column(kind, component)

@@ -10,13 +10,14 @@
 #     imports     folder order is import order
 #     doctests    the examples in docstrings
 #     terms       no replaced term in code and documents
+#     habits      one assignment a line, docstrings with a subject
 #     documents   generated parts of documents are what the tables and the code make of them
 #
 # The exit status is 1 when a gate is shut, and 3 when something that they need is missing.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-gates=(lint types shell imports doctests terms documents)
+gates=(lint types shell imports doctests terms habits documents)
 
 lint() {
     "$RUFF" check --no-cache --quiet --output-format concise "$@" &&
@@ -38,6 +39,8 @@ imports() { quiet_pytest "${@:-tests/core/test_architecture.py}"; }
 doctests() { quiet_pytest --doctest-modules "${@:-damage}"; }
 
 terms() { "$PYTHON" scripts/terms.py "$@"; }
+
+habits() { "$PYTHON" scripts/habits.py "$@"; }
 
 documents() { "$PYTHON" scripts/documents.py "$@"; }
 

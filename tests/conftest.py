@@ -40,7 +40,8 @@ BATCH = (sys.executable, "-m", "damage", "study")
 `test_environment.py`."""
 BATCH_ENVIRONMENT = {"PYTHONPATH": str(REPOSITORY), "OPENBLAS_NUM_THREADS": "1"}
 TINY = "Wall('tiny', 0.45, 0.6)"
-"""Of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under 0.01 g."""
+"""A wall of three bricks' length and eight courses: it cracks under 0.5 g and stays whole under
+0.01 g."""
 # of small walls, which vibrate at 0.05 s or faster
 SHORT = ("-j1", BRIEFLY, "RAMP_S=0.05 HOLD_S=0.05 SETTLE_S=0.02")
 
@@ -381,7 +382,7 @@ def running(folder):
 
 
 def total_energy(solver):
-    """Of a wall, weight included; constant but for what comes in, which is counted [J]."""
+    """Energy of a wall, weight included; constant but for what comes in, which is counted [J]."""
     lifted = GRAVITY * solver.layout.bodies.mass @ solver.displacement[:, 1]
     return (
         solver.kinetic_energy()

@@ -54,7 +54,7 @@ part of it."""
 
 @dataclass(frozen=True)
 class Result:
-    """Of one wall: the programme's bound; the same at friction +-0.05, as parts of it; the
+    """Results of one wall: the programme's bound; the same at friction +-0.05, as parts of it; the
     bound with smooth head joints; the solver's bracket, and its multiplier by falls; what `ask`
     gives."""
 

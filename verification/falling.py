@@ -21,7 +21,7 @@ from verification.problem import of_both
 FALL_S = 0.1
 HEIGHT = 1e-3
 FIGURES = "force", "height", "time"
-"""Of a bounce."""
+"""Figures of a bounce."""
 
 
 def problems():

@@ -66,7 +66,7 @@ def loaded_period(layout, gravity=GRAVITY):
 
 
 def _derivative(wall, body, component):
-    """Of minus all bodies' forces by one displacement of one body (3 n_bodies,)."""
+    """Derivative of minus all bodies' forces by one displacement of one body (3 n_bodies,)."""
     rest = wall.displacement
     forces = []
     for sign in (1, -1):

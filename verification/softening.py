@@ -39,7 +39,7 @@ FINE = 1500
 COARSE = 6000
 """Steps to the first corner, the strength and a half, and from each to the next."""
 COARSE_IN_YADE = 1500
-"""The same in YADE, for problems."""
+"""Steps in YADE, for problems."""
 
 
 def pair(**changes):

@@ -114,8 +114,8 @@ def largest_shear(stress):
 
 
 def sheared(stress, what):
-    """Of a brick sheared under a vertical stress [Pa] in the reference solver: 0 the largest shear
-    force [N], 1 the energy dissipated [J]."""
+    """Results of a brick sheared under a vertical stress [Pa] in the reference solver: 0 the
+    largest shear force [N], 1 the energy dissipated [J]."""
     layout = on_ground()
     wall = ReferenceWall(layout, 1e-6)
     cut = layout.contacts.kind == CUT

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 WAITED = "waited"
-"""Of steps that were not taken yet: they are to be asked for again."""
+"""Mark of steps that were not taken yet: they are to be asked for again."""
 
 
 def run_each(asked):

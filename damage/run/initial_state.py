@@ -16,8 +16,8 @@ KEPT = (
     *("displacement", "out_of_plane", "support_displacement", "strain"),
     *("elastic_j", "friction_j", "fracture_j"),
 )
-"""Of the Instants at the first run's time zero, from which displacements and energies count; the
-strain of deformable bricks, None of rigid ones, moves material points."""
+"""Fields of the Instants at the first run's time zero, from which displacements and energies count;
+the strain of deformable bricks, None of rigid ones, moves material points."""
 
 
 # --- the end of another run -----------------------------------------------------------------------

@@ -20,7 +20,7 @@ from damage.motion.settlement import PROFILES, Settlement, read_profile
 
 USUAL_DISTORTION = 1 / 500
 BY_FILE = "file"
-"""Of --unit: the unit that the file names; for tables whose cells may not be empty."""
+"""Value of --unit for the unit that the file names; for tables whose cells may not be empty."""
 
 
 def _factors(value):

@@ -98,7 +98,7 @@ class RunPlan:
 
     @property
     def origin(self):
-        """As of `read_earlier`."""
+        """Origin as of `read_earlier`."""
         return self.backend.name, self.made_by["model"]
 
     def solver(self):

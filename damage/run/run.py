@@ -149,8 +149,8 @@ class Run:
 
     @property
     def energy_error(self):
-        """Of the samples so far: `damage.measure.energy.energy_error` [-], None where hardly
-        anything came in."""
+        """Energy balance error of the samples so far, `damage.measure.energy.energy_error` [-],
+        None where hardly anything came in."""
         return self._balance.error
 
     @property

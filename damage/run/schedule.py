@@ -30,7 +30,7 @@ STEP_FACTOR = 0.643
 """Working time step over the critical one: 3.0e-5 s for the shipped walls."""
 
 SOFTENING_STEP_FACTOR = 0.35
-"""The same where joints soften (docs/validation/step-and-damping.md)."""
+"""Share of the critical step where joints soften (docs/validation/step-and-damping.md)."""
 
 JOINT_STEPS = 10
 """Steps of which the interval of samples is a multiple: a solver may update its failed joints at

@@ -51,16 +51,18 @@ MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another
 wall."""
 SCATTER = 0.001
+"""Coefficient of variation of the strengths by which members differ where nothing else is asked for
+[-] (docs/guides/planning.md)."""
 MOST_MEMBERS = 100
-"""Of members: coefficient of variation of the strengths where nothing else is asked for
-(docs/guides/planning.md), and how many a single run may have."""
+"""Largest number of members of a single run."""
 MASS_SCALING = NONE, LINTELS, SELECTIVE = "none", "lintels", "selective"
 MOST_SCALED_STEP_S = 4e-4
 """Largest time step with selective mass scaling [s]."""
 ACCEPTED_ERROR = 0.004
+"""Energy balance error of a run with selective mass scaling [-] above which it is repeated with a
+smaller step."""
 ACCEPTED_DROP_M = 0.5e-3
-"""Of a run with selective mass scaling: energy balance error [-] above which, and drop of a brick
-[m] from which, it is repeated with a smaller step."""
+"""Drop of a brick in a run with selective mass scaling [m] from which it is repeated."""
 SOFTENING_BETA_S = 1e-6
 """Stiffness-proportional damping that joints get which soften, where none is asked for [s]
 (docs/validation/step-and-damping.md)."""

@@ -56,7 +56,7 @@ class Instants(NamedTuple):
 
     @classmethod
     def one(cls, **values):
-        """Of the values of a single one, and `joints`."""
+        """Instants of the values of a single one, and `joints`."""
 
         def along(value):
             if isinstance(value, dict):
@@ -135,7 +135,7 @@ class Solver(Protocol):
         """The Instants of now, of which there is one."""
 
     def forces(self):
-        """Of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact,
+        """Forces of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact,
         (n_contacts,) [N]."""
 
     def largest_overlap_m(self):

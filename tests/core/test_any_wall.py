@@ -165,9 +165,9 @@ def test_bodies_do_not_overlap_and_cover_what_is_drawn(table):
 @any_legal_wall
 @given(walls(), st.sampled_from(["piers", "uniform", "beam"]))
 def test_the_mass_is_that_of_what_is_drawn(table, top):
-    """Of bricks, lintels, floors and the precompression, each by its density, mass or stress; where
-    the outline is a rectangle the first three by the table's numbers.  A part of a timber floor may
-    lie on no brick."""
+    """Mass of bricks, lintels, floors and the precompression, each by its density, mass or stress;
+    where the outline is a rectangle the first three by the table's numbers.  A part of a timber
+    floor may lie on no brick."""
     layout = laid_out(table, top=top)
     wall = layout.wall
     bodies = layout.bodies
@@ -264,9 +264,10 @@ def parts_of(layout, side):
     st.sampled_from(["interior", "corners", "gauss"]),
 )
 def test_a_mirrored_drawing_has_the_mirrored_layout(table, halves, apart, outline, placing):
-    """Of any length of whole and half bricks; in others the bond begins on the left.  Openings are
-    off each place where two ends of a lintel are as near, and no lintel is an arch, whose length
-    over a brick's height may be as near to two whole numbers: rounding decides there."""
+    """Walls of any length of whole and half bricks; in others the bond begins on the left.
+    Openings are off each place where two ends of a lintel are as near, and no lintel is an arch,
+    whose length over a brick's height may be as near to two whole numbers: rounding decides
+    there."""
     assume(table["lintel"] != "arch")
     length = halves * table["brick"]["length"] / 2
     table = table | {

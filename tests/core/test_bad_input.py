@@ -360,12 +360,12 @@ OF_COMMANDS = {
     "modes W --cells ?": "",
     "fragility F --out O --replicates ?": "",
 }
-"""The same of commands, with files that are there, or are looked for after the options (F, O,
-S)."""
+"""Commands and what is refused, with files that are there, or are looked for after the options (F,
+O, S)."""
 
 
 def that_go(function, complaint_of):
-    """Those of ODD with which `function(value)` does not complain; of the others one line is held
+    """Values of ODD with which `function(value)` does not complain; of the others one line is held
     to what it says."""
     complaints = {value: complaint_of(function, value) for value in ODD}
     for said in filter(None, complaints.values()):

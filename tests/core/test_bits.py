@@ -143,7 +143,7 @@ KINDS = {
 
 
 def moved(kind, factor, number):
-    """Of so many seeded inputs, how many differ where one of their values is multiplied by a
+    """Number of so many seeded inputs that differ where one of their values is multiplied by a
     factor."""
 
     def of(seed, factor):

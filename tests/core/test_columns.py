@@ -47,7 +47,7 @@ def test_a_point_begins_with_what_its_runs_share(still_history):
 
 
 def test_a_point_has_the_range_of_what_its_runs_do_not_share(still_history):
-    """As of the motions of lives, whose first one the row had."""
+    """Motions of lives differ so, whose first one the row had."""
     row = summary_row(still_history)
     (point,) = points_of(
         pd.DataFrame(

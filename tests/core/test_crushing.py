@@ -226,7 +226,7 @@ def test_it_is_another_draw_than_that_of_the_walls_own_scatter():
     ids=str,
 )
 def test_tested_walls_peak_where_the_document_says(name, energies, least, most, words):
-    """Of walls that shear the tests' forces, of one that rocks the brittle wall's, pushed over
+    """Walls that shear have the tests' forces, of one that rocks the brittle wall's, pushed over
     slowly; docs/validation/laboratory.md."""
     wall = load_wall(REPOSITORY / "walls" / f"{name}.py")
     wall = replace(wall, joint=replace(wall.joint, **energies))

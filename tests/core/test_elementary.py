@@ -166,7 +166,7 @@ def test_powers_are_as_stated():
 
 @of_each
 def test_numbers_arrays_and_parts_of_arrays_give_equal_bits(function):
-    """Of every fifth point; parts begin at another place and lie apart, by which libraries choose
+    """Every fifth point; parts begin at another place and lie apart, by which libraries choose
     instructions."""
     _, points, _ = FUNCTIONS[function]
     whole = function(points)
@@ -225,7 +225,7 @@ class TestToBits:
         assert np.array_equal(part, np.rint(part)) and np.array_equal(to_bits(rounded), rounded)
 
     def test_errors_of_libraries_vanish(self):
-        """Of 4000 values that are off by a few last bits none is rounded another way."""
+        """None of 4000 values that are off by a few last bits is rounded another way."""
         for towards in (-np.inf, np.inf):
             assert np.array_equal(
                 to_bits(np.nextafter(np.nextafter(VALUES, towards), towards)), to_bits(VALUES)

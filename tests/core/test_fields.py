@@ -193,7 +193,7 @@ def within_and_beyond(limits):
     ("record", "one"), LIMITED, ids=[f"{type(of).__name__}.{one.name}" for of, one in LIMITED]
 )
 def test_every_field_is_held_to_its_limits(record, one):
-    """Of every record, as its own check refuses it; a limit itself passes."""
+    """Every record's own check refuses it; a limit itself passes."""
     name = one.metadata["called"] or f"{type(record).__name__}.{one.name}"
     if isinstance(record, ModelOptions | RunSettings):
         name = option_of(one, unit=True)

@@ -294,7 +294,7 @@ class TestSofteningCrushing:
 corners = st.lists(
     st.tuples(st.floats(-1.5e-4, 4e-5), st.floats(-2e-4, 2e-4)), min_size=1, max_size=6
 )
-"""Of paths: opening and shear displacement [m]; 5e-5 crushes."""
+"""Corners of paths: opening and shear displacement [m]; 5e-5 crushes."""
 
 
 @pytest.mark.parametrize("name", LAWS)

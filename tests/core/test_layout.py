@@ -49,8 +49,8 @@ ODD_WALLS = [
 
 @pytest.mark.parametrize("options", EVERY_OPTION, ids=str)
 def test_joint_length_is_the_settled_one_under_every_option(shipped_wall, options):
-    """That of the solid wall by hand: 37 bed joints with the base's, and 17 or 18 head joints in a
-    course of whole or half start."""
+    """Joint length of the solid wall by hand: 37 bed joints with the base's, and 17 or 18 head
+    joints in a course of whole or half start."""
     by_hand = 37 * 4.05 + (19 * 17 + 18 * 18) * 0.075
     expected = by_hand if shipped_wall.name == "solid" else 106.05
     assert_allclose(lay_out(shipped_wall, options).total_joint_length, expected, rtol=1e-12)
@@ -292,7 +292,7 @@ DOOR = replace(PANEL, openings=(Opening(0.88, 0.88, 2.25),))
 
 
 def compliance(layout, kind, name):
-    """Of joints of whole units within the wall [m3/N]."""
+    """Compliance of joints of whole units within the wall [m3/N]."""
     contacts = layout.contacts
     length = layout.bodies.length
     whole = (contacts.kind == kind) & (contacts.first >= 0)

@@ -172,8 +172,8 @@ class TestRecorded:
 
 class TestFreeVibration:
     def test_last_bits_of_the_critical_step_do_not_choose_the_step(self):
-        """Those of one wall's linear algebra by one thread and by two: a wall pushed so had peaks
-        0.7 % apart."""
+        """Last bits of one wall's linear algebra differ by one thread and by two: a wall pushed so
+        had peaks 0.7 % apart."""
         one = 9.270022376811165e-06
         two = 9.27002237681116e-06
         assert (

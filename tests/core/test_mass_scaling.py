@@ -205,7 +205,7 @@ class TestLintels:
     "inputs, lintel", [("given", None), ("typical", None), ("given", "timber")]
 )
 def test_a_wall_has_the_same_bits_alone_and_among_eight(layout, inputs, lintel):
-    """Of walls whose inputs are drawn each has a mass matrix of its own."""
+    """Each wall whose inputs are drawn has a mass matrix of its own."""
     of = replace(layout.wall, lintel=lintel) if lintel else layout.wall
 
     def shaken(level):
@@ -262,7 +262,7 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
     ],
 )
 def test_the_rule_takes_larger_steps_where_they_were_compared(words, step_s):
-    """Of a stiff wall with an opening and softening joints; None: explicit."""
+    """Steps of a stiff wall with an opening and softening joints; None: explicit."""
 
     def of(wall, period_s=0.06):
         (settings, step), *_ = scheme.schemes(

@@ -71,7 +71,7 @@ def test_ripples_around_zero_are_no_cycles():
 
 
 def test_the_energy_balance_counts_all_that_is_stored_and_dissipated():
-    """Of 8 J that come in each term takes 1 J, and 2 J are missing; what was there at first does
+    """8 J come in, of which each term takes 1 J, and 2 J are missing; what was there at first does
     not count."""
     series = pd.DataFrame(
         {

@@ -79,7 +79,8 @@ def test_a_brittle_wall_has_one_peak(pushed):
 
 @pytest.mark.parametrize("boundary", ["cantilever", "fixed"])
 def test_a_push_ends_at_the_drift_that_was_asked_for(pushed, boundary):
-    """Of the wall's top course: the middle of the top mass, twice as high, went to 0.12 %."""
+    """The drift is that of the wall's top course: the middle of the top mass, twice as high, went
+    to 0.12 %."""
     history = pushed(SMALL, 1e-3, pushover=0.12, boundary=boundary)
     assert_allclose(history.series["drift_ratio"].max(), 0.0012, rtol=3e-3)
 

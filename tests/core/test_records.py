@@ -256,7 +256,7 @@ class TestWholeSteps:
     ids=["interpolated", "band", "band 6", "baseline"],
 )
 def test_bits_are_the_same_on_every_machine(prepared, start):
-    """Of one record that ships, by the start of their SHA-256."""
+    """One record that ships, by the start of their SHA-256."""
     samples = prepared(read_record(shipped_record_path())).acceleration_m_s2
     assert hashlib.sha256(samples.astype("<f8").tobytes()).hexdigest()[:12] == start
 

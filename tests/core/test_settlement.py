@@ -67,7 +67,7 @@ def supports(n=8, length=4.0):
     "profile, sign, chord", [("hogging", -1, 0), ("sagging", 1, 0), ("knick", -1, -1)]
 )
 def test_the_ground_has_the_distortion_that_was_asked_for(profile, sign, chord):
-    """Of hogging and sagging the deflection over half the length; a knick deflects by half of it
+    """Hogging and sagging have the deflection over half the length; a knick deflects by half of it
     from its chord."""
     given = 1 / 500
     settlement = Settlement(profile, given)

@@ -121,7 +121,7 @@ def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
 
 @pytest.mark.parametrize("width", [1, 8])
 def test_the_memory_of_a_batch_is_that_of_the_interfaces_that_failed_in_any_wall(width):
-    """Of walls by themselves, and in a batch."""
+    """Memory of walls by themselves, and in a batch."""
 
     def wall(*failed):
         limits = np.zeros((20, 3))
@@ -165,8 +165,8 @@ def test_walls_that_the_cache_can_no_longer_hold_together_go_on_one_by_one(
 
 
 def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, moved):
-    """As of the next point of a study: the same joints, another motion.  The first run lays out a
-    wall of its own, the others share parts of its layout."""
+    """The next point of a study begins so: the same joints, another motion.  The first run lays out
+    a wall of its own, the others share parts of its layout."""
     wall_file(tiny, TINY.replace("0.6", "0.675"))
     walls = RestCache()
 

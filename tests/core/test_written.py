@@ -252,7 +252,7 @@ class TestMemory:
 
 
 class TestSignals:
-    """Of a run; those of studies are in `test_study.py`."""
+    """Signals of a run; those of studies are in `test_study.py`."""
 
     def started(self, out, hangup=signal.SIG_DFL):
         """A run that has written samples, and began with this handling of SIGHUP."""

@@ -24,7 +24,7 @@ from paper.criteria import CLAIMS
 WALLS = read_rows(REPOSITORY / "studies" / "combinations.csv", "")
 PERIODS_S = {"solid": (0.06, 0.2, 0.33, 1.0), "symmetric": (0.06, 0.33, 1.0)}
 PERIODS_S["asymmetric"] = PERIODS_S["solid"]
-"""Of motions of two cycles that the world of the paper lacks."""
+"""Periods of motions of two cycles that the world of the paper lacks."""
 
 
 def levels_of(row):

@@ -50,7 +50,7 @@ def test_tables_that_ship_are_drawn_and_what_needs_histories_is_named(shipped):
 
 
 def test_spectra_are_those_of_the_record_at_each_scale(tmp_path, monkeypatch):
-    """Of two points of the study of records, whose runs have one history."""
+    """Two points of the study of records, whose runs have one history."""
     motion = Recorded(read_record(shipped_record_path("BGAR_HGE")), window_s=(17.0, 25.0))
     monkeypatch.setitem(small_history.LOADINGS, "ida", motion.as_dict())
     chosen = "wall == 'symmetric' and record.str.startswith('BGAR') and scale >= 1.8"

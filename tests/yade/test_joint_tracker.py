@@ -78,7 +78,8 @@ def test_slip_work_and_flags_follow_the_law(every):
 
 
 def test_friction_work_is_of_the_mean_stress_and_slip_is_said_beyond_the_threshold():
-    """Of 0.1 mm, by a joint that slides to 0.08 and to 0.12 mm while its pressure halves twice."""
+    """The threshold is 0.1 mm, passed by a joint that slides to 0.08 and to 0.12 mm while its
+    pressure halves twice."""
     layout = lay_out(Wall("small", 0.45, 0.15))
     tracker = JointTracker(layout, 1e-4)
     first = np.array([0])

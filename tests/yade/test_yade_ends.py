@@ -21,7 +21,7 @@ PIER = (
 )
 SPEED = 1.0
 EASE_S = 0.1
-"""Of the push [m/s]; how long it takes to start [s], over which half the distance is lost."""
+"""Speed of the push [m/s]; how long it takes to start [s], over which half the distance is lost."""
 
 
 @pytest.fixture(scope="module")

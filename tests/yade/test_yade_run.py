@@ -106,7 +106,8 @@ class TestDamagedWall:
 
 
 def count_samples(path):
-    """Of a history that may not be there yet, or still be locked while its datasets are made."""
+    """Number of samples of a history that may not be there yet, or still be locked while its
+    datasets are made."""
     try:
         return len(read_history(path).series)
     except InputError:

@@ -63,9 +63,9 @@ def read_tests(path):
 
 
 def rows_of(history):
-    """The same rows of a pushed History of one course of rigid bricks: a triplet where a restraint
-    holds its top, else a couplet.  What half a brick deforms is taken off, as a laboratory does.
-    Raises InputError for another wall."""
+    """Rows of a couplet or triplet test, of a pushed History of one course of rigid bricks: a
+    triplet where a restraint holds its top, else a couplet.  What half a brick deforms is taken
+    off, as a laboratory does.  Raises InputError for another wall."""
     wall = history.masonry_wall
     series = history.series
     pushed_loading(history)

@@ -32,7 +32,7 @@ def implausible_places(ends, wall):
 
 
 def implausible_points(points, wall):
-    """The same of points (n, 2) of a displacement field [m]; those below the wall are on its
+    """Warnings on points (n, 2) of a displacement field [m]; those below the wall are on its
     base."""
     points = points[points[:, 1] >= 0]
     share = float(np.mean(_is_off(*points.T, wall))) if len(points) else 0.0

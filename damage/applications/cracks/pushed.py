@@ -75,7 +75,7 @@ class LaboratoryTest:
 
     @property
     def stiffness_n_per_m(self):
-        """Of the bilinear idealisation, in both directions."""
+        """Stiffness of the bilinear idealisation, in both directions."""
         return self.bilinear_force_n / (self.elastic_drift * self.height)
 
     @property

@@ -98,7 +98,7 @@ def limit_state(fit):
 
 
 def fitted(fits):
-    """Those of a list of Fragility that have a curve or a step."""
+    """Members of a list of Fragility that have a curve or a step."""
     return [fit for fit in fits if np.isfinite(fit.median)]
 
 

@@ -302,27 +302,27 @@ class WallCells:
 
 
 class HouseCells(WallCells):
-    """The same of a house, in space; rotations are those in the planes of the walls."""
+    """Cells of a house, in space; rotations are those in the planes of the walls."""
 
     @cached_property
     def points(self):
-        """As of WallCells."""
+        """Corners as of WallCells."""
         return self._placed(-1)
 
     def displacement(self, snapshot):
-        """As of WallCells."""
+        """Displacements as of WallCells."""
         return (self._placed(snapshot) - self.points).astype(np.float32)
 
     @cached_property
     def fixed(self):
-        """As of WallCells, and wall: number of it, -1 of joints between two."""
+        """Numbers as of WallCells, and wall: number of it, -1 of joints between two."""
         house = self.history.house
         return super().fixed | {"wall": self._joined(house.body_wall, house.joint_wall)}
 
     @cached_property
     def numbers(self):
-        """As of WallCells, but the index, its components, drift along and displacement across of
-        each wall, under its name."""
+        """Numbers as of WallCells, but the index, its components, drift along and displacement
+        across of each wall, under its name."""
         columns = self.history.series[list(SERIES)].reset_index(drop=True)
         for part in self.history.parts:
             index = part.index().drop(columns=["time_s", "drift_over_limit"])

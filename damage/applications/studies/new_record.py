@@ -30,12 +30,12 @@ CONFIDENCE = 0.9
 TAILS = (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
 _STEP = 0.02
 _MARGIN = 5.0
-"""Of the grid of ln m: its step, and by how much it is longer than the intensities at either
+"""Grid of ln m: its step, and by how much it is longer than the intensities at either
 end."""
 _TAU = np.geomspace(0.01, 3.0, 24)
 _BETA = np.geomspace(0.02, 2.0, 12)
 _LEAST_WEIGHT = 1e-9
-"""Of a curve, of the largest weight: those of less are left out."""
+"""Least weight of a curve that is kept, as a share of the largest."""
 
 
 @dataclass(frozen=True)

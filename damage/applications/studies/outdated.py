@@ -33,7 +33,7 @@ from damage.wall.as_built import replaced_lintels
 CODE = {"reference": Path(__file__).parents[2] / "reference", "yade": ROOT / "yade_scripts"}
 """Where each solver's own code lies; an installed package is without YADE's."""
 FIRST_TABLES = "index", "events", "joints", "cycles"
-"""Of the first run of a point where all histories are kept; of sequences shocks, too."""
+"""Tables of the first run of a point where all histories are kept; of sequences shocks, too."""
 _DIFFERENCES = 3  # points, and differences of each, that a message names
 _NO_NOTE = "there is no note of them"
 _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")

@@ -27,7 +27,7 @@ from damage.wall.layout import lay_out
 from paper.dic_field import sampled_field
 
 NOISE = 1e-5
-"""Of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""
+"""Noise of a point [m]: a hundredth of a pixel of 1 mm, usual for DIC of a wall."""
 WALL = (
     "Wall('panel', 0.9, {height}, precompression=0.05e6, joint=Joint("
     "tensile_strength=0.02e6, cohesion=0.03e6, friction_angle=math.radians({friction})))"
@@ -182,7 +182,7 @@ def test_points_that_were_lost_and_kept_as_zero_are_named(tmp_path, noise):
 
 @pytest.mark.parametrize("kind", ["opening", "slip"])
 def test_what_a_panel_does_is_measured(rocking, panel, kind):
-    """Of a panel that rocks and of one that slides, through noise, export and reading back: each
+    """A panel that rocks and one that slides, through noise, export and reading back: each
     joint's opening and slip within five deviations and the elastic part of an intact joint, so that
     the index differs only by joints that near the threshold."""
     layout, history, _ = (

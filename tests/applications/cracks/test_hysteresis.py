@@ -286,7 +286,7 @@ def pushed_over(path, force, drift, *, seed=0, **more):
 
 
 class TestFigures:
-    """Of any wall that was pushed, as docs/validation/after-the-peak.md has them."""
+    """Figures of any wall that was pushed, as docs/validation/after-the-peak.md has them."""
 
     DRIFT = np.linspace(0.0, 2e-3, 2001)
 

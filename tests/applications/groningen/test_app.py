@@ -257,7 +257,8 @@ def test_what_is_no_photograph_is_one_line(data, said):
 
 
 def test_a_photograph_is_straightened_by_corners_of_the_outline(client):
-    """Of a gabled front the eaves and not the height of its ridge, which would stretch it."""
+    """A gabled front has corners at the eaves and not the height of its ridge, which would stretch
+    it."""
     gable = "outline = [[0, 0.6], [0.5625, 0.75], [1.125, 0.6]]\nheight = 0.75"
     text = FRONT.replace("precompression = 0.1e6", "precompression = 0")
     found = done(client, "front", text=text.replace("height = 0.6", gable))

@@ -298,7 +298,7 @@ class TestButFor:
         )
 
     def test_wilson(self):
-        """Of 10 of 10: Brown, Cai and DasGupta (2001), 0.722 to 1."""
+        """10 of 10: Brown, Cai and DasGupta (2001), 0.722 to 1."""
         assert wilson(1.0, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
         assert wilson(0.5, 20) == pytest.approx((0.2993, 0.7007), abs=1e-4)
 
@@ -672,7 +672,7 @@ class TestBadInput:
         assert not (tmp_path / "new" / "runs").exists()
 
     def test_a_sheet_of_former_inputs_does_not_stay(self, claimed, tmp_path, error_of):
-        """Of a command that is refused."""
+        """A refused command removes it."""
         (out := tmp_path / "out").mkdir()
         for name in ("claim.html", "claim.json"):
             written(out / name, "of the former house")

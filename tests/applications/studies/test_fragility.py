@@ -110,7 +110,7 @@ class TestFit:
         ],
     )
     def test_it_is_the_probit_regression_of_statsmodels(self, intensity, exceed, runs, expected):
-        """Of version 0.15.0, on ln x, where a + b ln x = ln(x / median) / dispersion:
+        """Version 0.15.0 of statsmodels, on ln x, where a + b ln x = ln(x / median) / dispersion:
 
         y, n, x = map(np.array, (exceed, runs, intensity))
         family = sm.families.Binomial(link=sm.families.links.Probit())
@@ -150,7 +150,7 @@ class TestFit:
         ],
     )
     def test_runs_that_determine_no_curve(self, exceed, why, side):
-        """Of 10 runs at each of four intensities."""
+        """10 runs at each of four intensities."""
         one = solve([0.05, 0.1, 0.2, 0.4], exceed, [10] * 4)
         assert why in one.why and one.side == side and np.isnan([one.median, one.dispersion]).all()
 
@@ -220,7 +220,7 @@ class TestUndetermined:
     def test_it_is_said_everywhere_and_no_curve_exported(
         self, intensities, exceed, why, tmp_path, output_of
     ):
-        """Of ten draws at each intensity.  Any two shares lie on a lognormal curve, which was drawn
+        """Ten draws at each intensity.  Any two shares lie on a lognormal curve, which was drawn
         and exported with a median of 0.207 g."""
         of_one = walls(10, seed=1).query("pga_g == 0.05").assign(eigen_period_s=0.2)
         runs = pd.concat(
@@ -255,7 +255,7 @@ class TestUndetermined:
         assert "12 draws of strengths, 1 records" in printed and "walls" not in printed
 
     def test_samples_without_a_curve_open_the_bound_on_their_side(self):
-        """Of three records one harms nothing: samples with many of it have their median above all
+        """One of three records harms nothing: samples with many of it have their median above all
         runs.  An interval of the others would end at a finite one."""
         runs = recorded(3, 0.1, seed=1)
         runs["pga_g"] = (runs["pga_g"] / (1 + 0.01 * runs["record"].str[1:].astype(int))).round(9)
@@ -489,7 +489,7 @@ class TestStatesOfOneMeasure:
         assert "likelier" not in in_words(apart)
 
     def test_one_dispersion_is_the_ordinal_probit_of_statsmodels(self):
-        """Of version 0.15.0, grades 0, 1, 2 over ln x:
+        """Version 0.15.0 of statsmodels, grades 0, 1, 2 over ln x:
 
         model = OrderedModel(pd.Series(pd.Categorical(grade, ordered=True)), log_x, distr="probit")
         found = model.fit(method="bfgs", gtol=1e-10, maxiter=1000)

@@ -161,7 +161,7 @@ def test_a_member_that_fails_is_named_and_the_others_are_reported(
 
 
 def test_the_screen_shows_no_more_digits_than_are_known(tmp_path):
-    """Of what a scatter of the strengths by 0.1 % changes in its third digit; the JSON has all of
+    """A scatter of the strengths by 0.1 % changes the third digit; the JSON has all of
     them."""
     ramp = np.linspace(0, 1, 21)
     history = make_history(

@@ -22,7 +22,7 @@ RAMP_S = 0.1
 SETTLES_S = 0.1
 RESTS_S = 0.4
 MOTION = 2e-4, -1e-3, 2e-3
-"""Of the left support's reference point at the end [m, m, rad]."""
+"""Motion of the left support's reference point at the end [m, m, rad]."""
 
 
 def pier():

@@ -44,7 +44,7 @@ from yade_scripts.solver import YadeSolver
 BRICK = Brick(0.4, 0.2, 0.2)
 STRONG = Joint(tensile_strength=1e6, cohesion=1e6)
 SIZE = {"height": 0.8, "precompression": 0, "brick": BRICK, "joint": STRONG}
-"""Of the walls of box and tilt."""
+"""Size of the walls of box and tilt."""
 
 
 def solver_of(house, options=None, share=1 / 3):
@@ -210,8 +210,8 @@ def front_between(joint):
 
 
 def dry():
-    """Of a dry front that slides between two side walls, over the work that came in: all energies,
-    that of friction, and what YADE's own sum lacks of it."""
+    """Energies of a dry front that slides between two side walls, over the work that came in: all
+    energies, that of friction, and what YADE's own sum lacks of it."""
     solver = solver_of(front_between(Joint(5e9, 2e9, math.atan(0.7), 0, 0)))
     seen = []
     solver.start(NO_MOTION, np.array([GRAVITY]))
@@ -357,7 +357,7 @@ THICK = 0.2
 HIGH = 2.4
 WIDE = 0.4
 DENSITY = 2000.0
-"""Of a strip [m, kg/m3]."""
+"""Sizes and density of a strip [m, kg/m3]."""
 
 
 def strips(strength):
@@ -380,8 +380,8 @@ def strips(strength):
 
 
 def strip(strength, *multipliers):
-    """Of each solver under each acceleration: speed at mid-height [mm/s] after 0.8 s or at 20 mm,
-    {height of a bed joint [m]: face, -1 or 1, where it is open by a third of the most}, and
+    """Results of each solver under each acceleration: speed at mid-height [mm/s] after 0.8 s or at
+    20 mm, {height of a bed joint [m]: face, -1 or 1, where it is open by a third of the most}, and
     {height: acceleration [g] at its first failure}."""
     return {
         f"{name} {multiplier:g}": _bent(solver, multiplier)

@@ -68,7 +68,7 @@ POINT_ERROR_M = 0.02
 """How far a marked place may be from the corner of the outline that it stands for [m]."""
 BRICKS = [1, 1]
 SHARE = re.compile(r"^\d+ \w+ \d+ \w+, (\d+)[\d.,]* %", re.MULTILINE)
-"""Of the log: how much is simulated."""
+"""Pattern of the log that has how much is simulated."""
 TAIL = 12  # lines of the log that the page shows
 
 

@@ -43,7 +43,7 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
 }
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-"""Of the sheet, which has its style and pictures in itself; it can be printed."""
+"""Policy of the sheet, which has its style and pictures in itself; it can be printed."""
 CALLS = ["address", "front", "sketch", "size", "straighten", "survey", "levels", "start", "stop"]
 """Methods of Desk that the page asks for."""
 COOKIE = "damage_app"
@@ -54,9 +54,9 @@ DOOR = (
     '<!DOCTYPE html><meta charset="utf-8"><title>damage</title><meta http-equiv="refresh"'
     ' content="0; url={0}">'
 )
-"""Of a file that leads to the page."""
+"""Text of a file that leads to the page."""
 PASSING = '<!DOCTYPE html><title>damage</title><link rel="icon" href="assets/icon.svg">'
-"""Of the first answer, which leads on from an address that has the token."""
+"""Text of the first answer, which leads on from an address that has the token."""
 
 
 def make_app(out, port, token, root):

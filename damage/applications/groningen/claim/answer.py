@@ -152,8 +152,8 @@ def said(shares):
 
 
 def of_cracks(twins, likeness, survey, answered=True):
-    """Of each crack of a `damage.applications.cracks.survey.Survey`, what twins say of it without
-    a cause, a list of plain dictionaries in the order of the survey.
+    """Answers on each crack of a `damage.applications.cracks.survey.Survey`, what twins say of it
+    without a cause, a list of plain dictionaries in the order of the survey.
 
     It would be there where one of its joints has a visible crack, of worlds where one has it now.
     Draws weigh by the likeness of the whole front, (2, n): by that of a crack's surroundings alone

@@ -47,8 +47,8 @@ draws."""
 
 
 class Likeness(NamedTuple):
-    """Of a survey and twins: away: distances (2, n) of STATES, infinite of what is in no claim;
-    weight: (2, n); strange: share of visible patterns that are less strange than the survey
+    """Likeness of a survey and twins: away: distances (2, n) of STATES, infinite of what is in no
+    claim; weight: (2, n); strange: share of visible patterns that are less strange than the survey
     [-]."""
 
     away: np.ndarray

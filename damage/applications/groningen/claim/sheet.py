@@ -30,17 +30,19 @@ from damage.measure.evidence import evidence_for
 from damage.units import MILLIMETRE
 
 NUMBERS = "claim.json"
+"""File of the numbers."""
 SHEET = "claim.html"
+"""File of the sheet."""
 FORMER = "former-"
-"""Files of the numbers and the sheet; what their names begin with once they are of an earlier
-command."""
+"""Beginning of the names of files of an earlier command."""
 LETTERS = 32
-"""Of pictures: how often the height of letters goes into the size of the front."""
+"""Size of the front over the height of letters in pictures."""
 MARGIN_MM = 60
+"""Margin of a picture, in millimetres of the wall."""
 THINNEST_MM = 10
+"""Width of the line of a crack of no width, in millimetres of the wall."""
 DRAWN_MM = 40
-"""Of pictures, in millimetres of the wall: margin; width of the line of a crack of no width, and
-what 1 mm adds."""
+"""Width that 1 mm of a crack adds to its line, in millimetres of the wall."""
 _LIMITS = {
     "draws": LEAST_DRAWS,
     "strange": 100 * STRANGEST,

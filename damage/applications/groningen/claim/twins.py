@@ -100,7 +100,7 @@ class Twins:
         return self.widest_of(slice(None))
 
     def widest_of(self, joints):
-        """The same of the cracks of some joints."""
+        """Widest crack of some joints."""
         return {
             name: np.where(
                 self.fell[name],

@@ -44,7 +44,7 @@ class Model(GroundMotionModel):
     coefficients = MappingProxyType(_TABLE.to_dict("index"))
 
     def median_mm_s(self, magnitude, epicentral_km, vs30_m_s):
-        """As of GroundMotionModel; hypocentral distances with DEPTH_KM."""
+        """Medians as of GroundMotionModel; hypocentral distances with DEPTH_KM."""
         c1, c2, c3, c4, c5, c6, c7, c8 = (self.values[f"c{k}"] for k in range(1, 9))
         magnitude = np.asarray(magnitude, float)
         epicentral_km = np.asarray(epicentral_km, float)
