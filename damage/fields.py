@@ -192,7 +192,7 @@ def implausible_fields(*records, unit=None):
         for name, range_ in ranges_of(type(record)).items()
         if unit in (None, range_.unit)
     )
-    return list(dict.fromkeys(filter(None, (message_of(*one) for one in given if one[1]))))
+    return list(dict.fromkeys(filter(None, (message_of(*entry) for entry in given if entry[1]))))
 
 
 def message_of(name, value, of):

@@ -96,8 +96,8 @@ class FrictionWork:
         near = self._watched.values() if self._near is None else self._near
         checked = {id(contact) for contact in near}
         states = [
-            (*one.before, one.closed, one.half_compliance, id(one) in checked)
-            for one in self._watched.values()
+            (*contact.before, contact.closed, contact.half_compliance, id(contact) in checked)
+            for contact in self._watched.values()
         ]
         return np.array(list(self._watched), int), np.array(states, float).reshape(-1, 6)
 
@@ -109,7 +109,9 @@ class FrictionWork:
         for joint, (*before, closed, half_compliance, _) in zip(joints, states):
             self._watch(joint, *contacts[joint], Vector3(before), bool(closed), half_compliance)
         if states:
-            self._near = [one for one, state in zip(self._watched.values(), states) if state[-1]]
+            self._near = [
+                contact for contact, state in zip(self._watched.values(), states) if state[-1]
+            ]
         self._law.initPlasticDissipation(slid)
 
     def step(self, anew):

@@ -246,13 +246,13 @@ def engines_beside(more):
         )
     present = list(O.engines)
     given = list(more)
-    engines = [one for one in present if not isinstance(one, _OWN)]
-    for one in (
-        *(one for one in present if isinstance(one, _OWN) and not _is_as_new(one)),
-        *(one for one in given if isinstance(one, _OWN)),
+    engines = [engine for engine in present if not isinstance(engine, _OWN)]
+    for engine in (
+        *(engine for engine in present if isinstance(engine, _OWN) and not _is_as_new(engine)),
+        *(entry for entry in given if isinstance(entry, _OWN)),
     ):
         raise InputError(
-            f"the engine {name_of(one)}: the wall's own replaces it, with the time step, gravity"
+            f"the engine {name_of(engine)}: the wall's own replaces it, with the time step, gravity"
             " and damping of the run; expected engines beside those; leave it out, or as YADE's"
             " new scene has it"
         )

@@ -484,7 +484,7 @@ class YadeSolver(Solver):
         return self.scene.base_reaction()
 
     def resume(self, state):
-        blocked = [one.blockedDOFs for one in self.scene.states]
+        blocked = [state.blockedDOFs for state in self.scene.states]
         checkpoint.restore(self, state)
         self.clock = 0
         self._input_time = 0.0

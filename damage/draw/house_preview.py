@@ -35,11 +35,11 @@ def house_preview(layout):
     handles = {}
     walls = [placed.wall for placed in house.bearing]
     n = layout.n_joints
-    concrete = [one for one in house.floors if one.kind == "concrete"]
+    concrete = [floor for floor in house.floors if floor.kind == "concrete"]
     concrete.sort(key=lambda floor: floor.level)
     lengths = [wall.length for wall in walls]
     scale = (PAGE_WIDTH - 0.5) / (1.1 * sum(lengths))  # [inch/m] of the walls
-    ends = np.concatenate([one.corners for one in house.walls])
+    ends = np.concatenate([placed.corners for placed in house.walls])
     plan = min(PAGE_WIDTH * np.ptp(ends[:, 1]) / np.ptp(ends[:, 0]), 3.0)
     high = max(wall.built_height for wall in walls) * scale
     figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
@@ -53,11 +53,11 @@ def house_preview(layout):
         on_wall = middle & (layout.joint_wall[:n] == number)
         in_wall = (layout.body_wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
         tables = [
-            one.assign(x_m=one["x_m"] - layout.left[number])
-            for one in (bodies[in_wall], joints[on_wall])
+            table.assign(x_m=table["x_m"] - layout.left[number])
+            for table in (bodies[in_wall], joints[on_wall])
         ]
         slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
-        slabs = slabs[[wall.name in one.walls for one in concrete]]
+        slabs = slabs[[wall.name in slab.walls for slab in concrete]]
         slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
         tables[0] = pd.concat([tables[0], slabs])
         labels, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
@@ -77,8 +77,8 @@ def house_preview(layout):
 def _area(span):
     """Opposite corners in plan of a Span of timber, (2, 2) [m]."""
     return [
-        one.origin + along * one.axes[0, :2]
-        for one, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
+        placed.origin + along * placed.axes[0, :2]
+        for placed, along in ((span.one, span.along[0]), (span.other, span.other_along[1]))
     ]
 
 

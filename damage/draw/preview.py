@@ -167,7 +167,7 @@ def _name_parts(ax, plan):
     above = sorted(
         (opening.above, opening.spandrel, opening.left, opening.right) for opening in plan.openings
     )
-    spandrels = [one for one in above if one[1] > one[0]]
+    spandrels = [corner for corner in above if corner[1] > corner[0]]
     for number, (first, last, left, right) in enumerate(spandrels, start=1):
         ax.text(
             (left + right) / 2,

@@ -228,7 +228,7 @@ def stress_picture(
             * np.column_stack([np.cos(direction), np.sin(direction)])
         )
         _draw_lines(ax, centre, half, values > 0, 0.5)
-    tension, compression = (max(one, 0.0) / 1e6 for one in (stress.max(), -stress.min()))
+    tension, compression = (max(extreme, 0.0) / 1e6 for extreme in (stress.max(), -stress.min()))
     handles = [
         style.line_handle(style.VERMILLION, f"tension, up to {tension:.2g} MPa"),
         style.line_handle(style.BLUE, f"compression, up to {compression:.2g} MPa"),

@@ -238,7 +238,10 @@ def drift_scale(*ratios):
     """Factor on drift ratios (arrays of any shape), and the unit in which their axis needs no power
     of ten."""
     largest = max(
-        (np.max(np.abs(one[np.isfinite(one)]), initial=0.0) for one in map(np.asarray, ratios)),
+        (
+            np.max(np.abs(values[np.isfinite(values)]), initial=0.0)
+            for values in map(np.asarray, ratios)
+        ),
         default=0.0,
     )
     return (1e6, "µm per m") if 0 < largest < TINY_DRIFT else (100.0, "%")

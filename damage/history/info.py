@@ -170,7 +170,7 @@ def flat(table: dict, above: str = "") -> Iterator[tuple[str, object]]:
     """(name with those of the tables above it, value) of all entries, however deep."""
     for name, value in table.items():
         if above == "house." and name == "walls":
-            yield from flat({one["wall"]["name"]: one for one in value}, "house.walls.")
+            yield from flat({item["wall"]["name"]: item for item in value}, "house.walls.")
         elif isinstance(value, dict):
             yield from flat(value, f"{above}{name}.")
         else:

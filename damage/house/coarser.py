@@ -89,12 +89,12 @@ def _equivalent(wall, along, up, stiffness, modulus, size):
 def _check_spandrels(wall):
     """InputError for an opening below a single course without a lintel: head joints of one contact
     point would be hinges."""
-    for number, one in enumerate(plan_of(wall).openings, 1):
-        if one.spandrel - one.above == 1 and not one.lintel.is_body:
+    for number, opening in enumerate(plan_of(wall).openings, 1):
+        if opening.spandrel - opening.above == 1 and not opening.lintel.is_body:
             raise InputError(
-                f"wall {wall.name}, opening {number} (x {one.left:g} to {one.right:g} m): one"
-                " course above it, which bears nothing without a lintel: expected two courses, or a"
-                " lintel; give one"
+                f"wall {wall.name}, opening {number} (x {opening.left:g} to {opening.right:g} m):"
+                " one course above it, which bears nothing without a lintel: expected two courses,"
+                " or a lintel; give one"
             )
 
 

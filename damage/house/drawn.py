@@ -76,7 +76,7 @@ def drawn(wall, of, seed):
     if isinstance(wall, House):
         return replace(
             wall,
-            walls=[replace(one, wall=drawn(one.wall, of, seed)) for one in wall.walls],
+            walls=[replace(placed, wall=drawn(placed.wall, of, seed)) for placed in wall.walls],
             floors=[_times(floor, factor, {"mass_per_area": "load"}) for floor in wall.floors],
         )
     load = factor["load"]

@@ -352,27 +352,28 @@ def read_house(path):
     walls, corners, floors, ties = (
         _tables(path, table.pop(name, [])) for name in ("walls", "corners", "floors", "ties")
     )
-    walls = [_placed(path, number, dict(one)) for number, one in enumerate(walls, 1)]
+    walls = [_placed(path, number, dict(entry)) for number, entry in enumerate(walls, 1)]
     corners = [
-        user_record(f"{path}, [[corners]] {number}", Corner, one)
-        for number, one in enumerate(corners, 1)
+        user_record(f"{path}, [[corners]] {number}", Corner, entry)
+        for number, entry in enumerate(corners, 1)
     ]
     for roof in _tables(path, [table.pop("roof")] if "roof" in table else []):
         tops = [placed.wall.height for placed in walls if placed.wall.name in roof.get("walls", ())]
         floors = [*floors, {"level": max(tops, default=1.0)} | roof]
     floors = [
-        user_record(f"{path}, [[floors]] {number}", Diaphragm, one)
-        for number, one in enumerate(floors, 1)
+        user_record(f"{path}, [[floors]] {number}", Diaphragm, entry)
+        for number, entry in enumerate(floors, 1)
     ]
     ties = [
-        user_record(f"{path}, [[ties]] {number}", Ties, one) for number, one in enumerate(ties, 1)
+        user_record(f"{path}, [[ties]] {number}", Ties, entry)
+        for number, entry in enumerate(ties, 1)
     ]
     parts = {"walls": walls, "corners": corners, "floors": floors, "ties": ties}
     return user_record(f"{path}", House, table | parts)
 
 
 def _tables(path, given):
-    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+    if not isinstance(given, list) or not all(isinstance(entry, dict) for entry in given):
         raise InputError(
             f"{path}: expected tables [[walls]], [[corners]], [[floors]], [[ties]]; correct them"
         )

@@ -65,14 +65,14 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     check_plan(house)
     parts = [
         lay_out(
-            one.wall,
+            placed.wall,
             replace(
                 options, strength_seed=(options.strength_seed + 1000 * number) % (MOST_SEED + 1)
             ),
             scatter=scatter,
             seed=seed + 1000 * number,
         )
-        for number, one in enumerate(house.bearing)
+        for number, placed in enumerate(house.bearing)
     ]
     parts = list(map(_below_slab, parts))
     options = parts[0].options
@@ -356,7 +356,7 @@ def _bars(layout):
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
             n = max(1, int(np.ptp(span.along) / floor.anchor_spacing + TINY))
             strengths = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
-            crossings.append(("", [(span, (one + 0.5) / n, *strengths) for one in range(n)]))
+            crossings.append(("", [(span, (part + 0.5) / n, *strengths) for part in range(n)]))
     for ties in house.ties:
         span = ties.span(house)
         strengths = (ties.stiffness, ties.tension, ties.compression)

@@ -17,13 +17,13 @@ SIZES = {"mm": 1e-3, "cm": 1e-2}
 def check_plan(house):
     """Raise InputError for walls of a House that miss their corner, or lie on each other."""
     kinds = {frozenset(corner.walls): corner.kind for corner in house.corners}
-    for one, other in combinations(house.walls, 2):
-        names = [one.wall.name, other.wall.name]
+    for placed, other in combinations(house.walls, 2):
+        names = [placed.wall.name, other.wall.name]
         kind = kinds.get(frozenset(names))
-        turn = (other.direction - one.direction) % 180
-        distance = _distance(one, other)
-        if abs(one.axes[0] @ other.axes[0]) < TINY:
-            fault = kind and _missed(house, one, other, kind)
+        turn = (other.direction - placed.direction) % 180
+        distance = _distance(placed, other)
+        if abs(placed.axes[0] @ other.axes[0]) < TINY:
+            fault = kind and _missed(house, placed, other, kind)
         elif kind:
             fault = (
                 f"meet at {turn:.6g} degrees, another than a right angle: expected 90 at a corner;"
@@ -86,8 +86,8 @@ def _missed(house, one, other, kind):
 def _open_corners(walls, kinds):
     """The number of corners {names: kind} that walls {name: Placed} miss."""
     return sum(
-        float(np.linalg.norm(_way_to(walls[one], walls[other], kind))) > TINY
-        for (one, other), kind in kinds.items()
+        float(np.linalg.norm(_way_to(walls[placed], walls[other], kind))) > TINY
+        for (placed, other), kind in kinds.items()
     )
 
 

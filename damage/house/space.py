@@ -348,7 +348,7 @@ def with_points(layout, n, points, wall, strength):
         points.normal_stiffness,
         points.shear_stiffness,
         end + strength[1] == np.inf,
-        *(end + one for one in strength),
+        *(end + value for value in strength),
         end + GROUND,
         end + GROUND,
     )

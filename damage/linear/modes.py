@@ -216,7 +216,7 @@ def _natural_modes(layout, n_modes):
         np.stack(
             [_scaled(shape, layout) for shape in shapes.reshape(n_modes, len(layout.bodies), -1)]
         ),
-        *(down_to_three_digits(2 / np.sqrt(one)) for one in (highest, masonry)),
+        *(down_to_three_digits(2 / np.sqrt(rate)) for rate in (highest, masonry)),
     )
 
 

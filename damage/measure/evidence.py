@@ -392,9 +392,10 @@ def outside(evidence):
     """
     by_name = {quantity.name: quantity for quantity in QUANTITIES}
     return [
-        f"{name} {_beyond(one)}{' ' * bool(one['unit'])}{one['unit']} ({by_name[name].range})"
-        for name, one in evidence.items()
-        if one["inside"] is False
+        f"{name} {_beyond(quantity)}{' ' * bool(quantity['unit'])}{quantity['unit']}"
+        f" ({by_name[name].range})"
+        for name, quantity in evidence.items()
+        if quantity["inside"] is False
     ]
 
 

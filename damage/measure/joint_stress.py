@@ -55,15 +55,17 @@ def sections(history):
     is_bed = (joints["kind"] == "bed").to_numpy()
     for number, (left, right) in enumerate(history.plan.piers, 1):
         inside = is_bed & (x > left - _SAME) & (x < right + _SAME)
-        sections += [(f"pier {number}", left, right, True, *one) for one in _by_place(z, inside)]
+        sections += [
+            (f"pier {number}", left, right, True, *joints) for joints in _by_place(z, inside)
+        ]
     for number, lintel in enumerate(
-        (one for one in history.plan.lintels if one.lintel.kind == "arch"), 1
+        (place for place in history.plan.lintels if place.lintel.kind == "arch"), 1
     ):
         upright = ~is_bed & _in_arch(history, lintel)
         at = np.flatnonzero(upright)
         sections += [
-            (f"arch {number}", z[at].min(), z[at].max(), False, *one)
-            for one in _by_place(x, upright)
+            (f"arch {number}", z[at].min(), z[at].max(), False, *joints)
+            for joints in _by_place(x, upright)
         ]
     return sections
 
@@ -90,7 +92,8 @@ def _by_place(places, chosen):
     return [
         (float(places[rows[0]]), rows)
         for rows in (
-            np.flatnonzero(chosen & (rounded_off == one)) for one in np.unique(rounded_off[chosen])
+            np.flatnonzero(chosen & (rounded_off == place))
+            for place in np.unique(rounded_off[chosen])
         )
     ]
 
@@ -204,11 +207,11 @@ def stress_report(history, moments=MOMENTS):
         "moments": [
             {
                 "moment": moment,
-                "time_s": float(one["time_s"].iloc[0]),
-                **_extremes(one[["normal_stress_pa", "shear_stress_pa"]].to_numpy()),
+                "time_s": float(rows["time_s"].iloc[0]),
+                **_extremes(rows[["normal_stress_pa", "shear_stress_pa"]].to_numpy()),
                 "sections": _most_eccentric(table[table["moment"] == moment]),
             }
-            for moment, one in of_points.groupby("moment", sort=False)
+            for moment, rows in of_points.groupby("moment", sort=False)
         ],
     }
 

@@ -185,7 +185,7 @@ def lines_of(summary):
 def table_of(rows, results):
     """Lines of a table for people: rows {name: {column: value}}; results: {column: Result}."""
     shown = {
-        name: {one.heading: one.shown(values[column]) for column, one in results.items()}
+        name: {result.heading: result.shown(values[column]) for column, result in results.items()}
         for name, values in rows.items()
     }
     return pd.DataFrame.from_dict(shown, orient="index").to_string().splitlines()

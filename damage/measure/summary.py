@@ -46,7 +46,9 @@ REGISTER = {
 """{section of the document: functions with `damage.history.schema.measure`}, in the order of
 summary.csv."""
 MEASURES = {
-    section: {several: column for one in functions for several, column in one.columns.items()}
+    section: {
+        several: column for function in functions for several, column in function.columns.items()
+    }
     for section, functions in REGISTER.items()
 }
 """{section of the document: {names: Column}} of the results."""
@@ -88,7 +90,7 @@ def flat_summary(
         "slip": slip,
         "psi_from": psi_from,
     }
-    for function in (one for functions in REGISTER.values() for one in functions):
+    for function in (function for functions in REGISTER.values() for function in functions):
         known = numbers | asked
         numbers |= function(**{name: known[name] for name in function.arguments})
     evidence = evidence_for(history.masonry_wall, history.parameters, numbers)

@@ -229,7 +229,9 @@ def sum_springs(system, strain=None):
         opening, slide, ratio = elastic_range(law)
         limits[:, LARGEST_OPENING] = np.minimum.reduceat(opening, start)
         limits[:, LARGEST_SLIDE] = np.minimum.reduceat(slide, start)
-    sums = (np.add.reduceat(one, start) for one in (kn, ks, kn * offset, kn * offset**2))
+    sums = (
+        np.add.reduceat(stiffness, start) for stiffness in (kn, ks, kn * offset, kn * offset**2)
+    )
     reach = np.maximum.reduceat(np.abs(offset), start)
     system.springs[:] = np.column_stack(Springs(*sums, reach, ratio[start]))
     # The limit at the outermost contact point bounds all others only where they have the same ratio

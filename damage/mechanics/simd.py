@@ -394,7 +394,7 @@ def _filled(context, builder, signature, values):
     if not isinstance(kind, types.BaseTuple):
         return _value(context, builder, n, kind, values[1])
     numbers = cgutils.unpack_tuple(builder, values[1])
-    parts = [_value(context, builder, n, one, number) for one, number in zip(kind, numbers)]
+    parts = [_value(context, builder, n, field, number) for field, number in zip(kind, numbers)]
     return context.make_tuple(builder, signature.return_type, parts)
 
 
@@ -597,7 +597,7 @@ def _added(context, builder, signature, values, rows, three):
     pointers = [*_named(context, builder, signature, values, rows)]
     three = [builder.extract_value(three, i) for i in range(3)]
     if signature.args[0].instance_class is not Rows:
-        return [(builder.gep(pointers[0], [_INT(i)]), one) for i, one in enumerate(three)]
+        return [(builder.gep(pointers[0], [_INT(i)]), value) for i, value in enumerate(three)]
     before = [
         builder.bitcast(builder.gep(pointer, [_INT(-1)]), _FOUR.as_pointer())
         for pointer in pointers
@@ -612,8 +612,8 @@ def _add_three(context, builder, signature, values):
         for rows, three in ((2, values[6]), (3, values[7]))
     ]
     pairs = [component for pair in zip(*both) for component in pair]
-    for place, one in pairs:
-        builder.store(builder.fadd(builder.load(place, align=8), one), place, align=8)
+    for place, value in pairs:
+        builder.store(builder.fadd(builder.load(place, align=8), value), place, align=8)
     return context.get_dummy_value()
 
 
@@ -650,8 +650,8 @@ def reader(kind, names, prefix=""):
             builder,
             signature.return_type,
             [
-                builder.fcmp_ordered(">", one, _REAL(0.0)) if is_flag else one
-                for one, is_flag in zip(loaded, are_flags)
+                builder.fcmp_ordered(">", value, _REAL(0.0)) if is_flag else value
+                for value, is_flag in zip(loaded, are_flags)
             ],
         )
 

@@ -200,7 +200,7 @@ def _quietly(path, wanted, read):
     finally:
         sys.unraisablehook = hook
     # what obspy warns of
-    problems += [one.message for one in warned if issubclass(one.category, UserWarning)]
+    problems += [warning.message for warning in warned if issubclass(warning.category, UserWarning)]
     if problems:
         raise InputError(f"{path}: obspy says {_shown(problems[0])}; expected {wanted}")
     return stream

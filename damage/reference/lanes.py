@@ -76,8 +76,8 @@ class Lanes:
         strength = np.concatenate([wall.cuts.strength for wall in walls])
         cuts = walls[0].cuts._replace(strength=strength)
         self._model, self._of_forces = (
-            tables.Model(THRESHOLD, walls[0].strain, walls[0].loose, one, cuts)
-            for one in (matrix, None)
+            tables.Model(THRESHOLD, walls[0].strain, walls[0].loose, array, cuts)
+            for array in (matrix, None)
         )
         self._sampling = self.room(0)
 
@@ -99,7 +99,7 @@ class Lanes:
     def are_of(self, walls):
         """Whether the batch consists of these walls, in this order, all still bound to it."""
         return len(walls) == len(self._walls) and all(
-            one is other and one.lanes is self for one, other in zip(walls, self.walls)
+            wall is other and wall.lanes is self for wall, other in zip(walls, self.walls)
         )
 
     def run(self, *steps):

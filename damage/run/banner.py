@@ -30,7 +30,7 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     lintels_in_words = (
         "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
     )
-    replaced = [text for one in layout.walls for text in replaced_lintels(one, options.lintel)]
+    replaced = [text for wall in layout.walls for text in replaced_lintels(wall, options.lintel)]
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
         (

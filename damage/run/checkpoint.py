@@ -118,7 +118,7 @@ def schemes_left(path, schemes):
         if (settings.mass_scaling, time_step) == (had.get("mass_scaling"), had.get("time_step_s"))
     ]
     return schemes[came_to[0] :] if came_to else schemes, {
-        name: had.get(name, one) for name, one in state.items()
+        name: had.get(name, value) for name, value in state.items()
     }
 
 

@@ -48,9 +48,9 @@ def as_they_end(runs, move=run_each, most=math.inf):
             yield from _go_on(asked, begun, None)
         if not asked:
             return
-        for one, failure in zip(list(asked), move(list(asked.values()))):
+        for run, failure in zip(list(asked), move(list(asked.values()))):
             if failure is not WAITED:
-                yield from _go_on(asked, one, failure)
+                yield from _go_on(asked, run, failure)
 
 
 def _go_on(asked, one, failure):

@@ -55,10 +55,13 @@ def _field(one, default, help_):
 def model_arguments(*names):
     """Arguments of the named fields of ModelOptions, a list."""
     chosen = [attribute for attribute in fields(ModelOptions) if attribute.name in names]
-    usual = [one.default if isinstance(one.default, str) else f"{one.default:g}" for one in chosen]
+    usual = [
+        argument.default if isinstance(argument.default, str) else f"{argument.default:g}"
+        for argument in chosen
+    ]
     return [
-        _field(one, one.default, f"{one.metadata['help']} (default {default})")
-        for one, default in zip(chosen, usual)
+        _field(argument, argument.default, f"{argument.metadata['help']} (default {default})")
+        for argument, default in zip(chosen, usual)
     ]
 
 
@@ -373,7 +376,7 @@ def _words(action, name, value):
         return [option] if value is action.const else []
     if isinstance(action, Rows):
         return [word for row in _rows(action, name, value) for word in (option, *map(str, row))]
-    words = [_word(action, one) for one in _listed(value)]
+    words = [_word(action, item) for item in _listed(value)]
     if isinstance(action.nargs, int) and len(words) != action.nargs:
         raise InputError(
             f"argument {option}: expected {action.nargs} arguments,"

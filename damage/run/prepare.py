@@ -156,9 +156,9 @@ class Prepared(RunPlan):
         begins anew."""
         code = getattr(reason, "code", FAILURE)
         (settings, time_step), *others = [
-            (one, step_s)
-            for one, step_s in self.repeats
-            if code != DROP or one.mass_scaling != SELECTIVE
+            (scheme, step_s)
+            for scheme, step_s in self.repeats
+            if code != DROP or scheme.mass_scaling != SELECTIVE
         ]
         parameters = (
             self.parameters

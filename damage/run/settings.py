@@ -321,7 +321,8 @@ class RunSettings:
         (`Loading.for_period`). Raises InputError of a record whose samples cannot hold that period,
         unless implausible values are accepted."""
         motions = {
-            id(one): one for one in (self.loading, *(event.loading for event in self.events))
+            id(loading): loading
+            for loading in (self.loading, *(event.loading for event in self.events))
         }
         for motion in motions.values():
             if (
@@ -335,7 +336,7 @@ class RunSettings:
                     " its samples do not hold: look at the time column, give a finer record, or"
                     f" accept it: {ACCEPT}"
                 )
-        driven = {key: one.for_period(period_s) for key, one in motions.items()}
+        driven = {key: motion.for_period(period_s) for key, motion in motions.items()}
         return replace(
             self,
             loading=driven[id(self.loading)],

@@ -60,7 +60,7 @@ class Instants(NamedTuple):
 
         def along(value):
             if isinstance(value, dict):
-                return {name: along(one) for name, one in value.items()}
+                return {name: along(value_) for name, value_ in value.items()}
             return np.asarray(value)[np.newaxis]
 
         return cls(

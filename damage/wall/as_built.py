@@ -27,15 +27,15 @@ class Part(NamedTuple):
     @property
     def differs(self):
         """Whether it is built otherwise."""
-        return any(abs(one - other) > _SAME for one, other in zip(self.given, self.built))
+        return any(abs(given - other) > _SAME for given, other in zip(self.given, self.built))
 
     def far(self, course):
         """Whether it is built far from what is given, in a wall of courses of this height [m]."""
         height, built = (high - low for low, high in (self.given, self.built))
         return (
             any(
-                abs(one - other) > WARN_COURSE * course + _SAME
-                for one, other in zip(self.given, self.built)
+                abs(given - other) > WARN_COURSE * course + _SAME
+                for given, other in zip(self.given, self.built)
             )
             or abs(built - height) > WARN_HEIGHT * height + _SAME
         )
@@ -60,11 +60,11 @@ def openings_as_built(plan):
     return [
         Part(
             f"opening {number}",
-            (one.sill, one.sill + one.height),
+            (opening.sill, opening.sill + opening.height),
             (course * place.first, course * place.above),
-            one.width,
+            opening.width,
         )
-        for number, (one, place) in enumerate(zip(plan.wall.openings, plan.openings), start=1)
+        for number, (opening, place) in enumerate(zip(plan.wall.openings, plan.openings), start=1)
     ]
 
 
@@ -170,9 +170,9 @@ def replaced_lintels(wall, option):
     """What the option `lintel` of a run replaces in a damage.Wall: a list of at most one line."""
     built = wall.with_lintels(option)
     replaced = [
-        f"opening {number} {wall.lintel_of(one).kind}"
-        for number, (one, other) in enumerate(zip(wall.openings, built.openings), start=1)
-        if wall.lintel_of(one) != built.lintel_of(other)
+        f"opening {number} {wall.lintel_of(opening).kind}"
+        for number, (opening, other) in enumerate(zip(wall.openings, built.openings), start=1)
+        if wall.lintel_of(opening) != built.lintel_of(other)
     ]
     if not replaced:
         return []

@@ -204,19 +204,20 @@ def _lintel_rows(plan, options, bodies, cells):
     beside = []
     cuts = []
     least = 2 // len(POINT_POSITIONS[options.contacts])
-    for one, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
-        cell = right_cell[one]
+    for part, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
+        cell = right_cell[part]
         facing = left_cell[other]
-        x = ends[1][one]
+        x = ends[1][part]
         bottom, top = (
-            pick(bodies.z[[one, other]] + sign * half[[one, other]])
+            pick(bodies.z[[part, other]] + sign * half[[part, other]])
             for pick, sign in ((max, -1), (min, 1))
         )
-        place = of_part.get(one)
+        place = of_part.get(part)
         if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
             up, length = cut_places(place)
             cuts += [
-                (place, (CUT, one, other, cell, facing, x, bodies.z[one] + by, length)) for by in up
+                (place, (CUT, part, other, cell, facing, x, bodies.z[part] + by, length))
+                for by in up
             ]
             continue
         both_lintels = place is not None and of_part.get(other)
@@ -227,7 +228,7 @@ def _lintel_rows(plan, options, bodies, cells):
         beside += [
             (
                 HEAD,
-                one,
+                part,
                 other,
                 cell,
                 facing,

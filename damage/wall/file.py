@@ -93,7 +93,7 @@ def wall_path(word: str | Path) -> Path:
         return path
     if str(path) in named:
         return named[str(path)]
-    beside = [str(one) for ending in ("py", "toml") for one in path.parent.glob(f"*.{ending}")]
+    beside = [str(path_) for ending in ("py", "toml") for path_ in path.parent.glob(f"*.{ending}")]
     meant = did_you_mean(path, beside) or did_you_mean(path.stem, named)
     raise InputError(
         f"{path}: no such wall file; expected the path of one, or the name of a wall or house that"
@@ -197,8 +197,8 @@ def wall_from(table: dict) -> Wall:
                     f"{name} is no list: expected tables [[{name}]]; double the brackets"
                 )
             made[name] = [
-                user_record(f"[[{name}]] {number}", kind, one)
-                for number, one in enumerate(given.pop(name), 1)
+                user_record(f"[[{name}]] {number}", kind, entry)
+                for number, entry in enumerate(given.pop(name), 1)
             ]
     return user_record("the wall", Wall, given | made)
 
@@ -216,7 +216,9 @@ def _joint(table):
         )
     check_range("[joint] friction", table[FRICTION], 0, 100)
     angle = float(atan(table[FRICTION]))
-    return {key: one for key, one in table.items() if key != FRICTION} | {"friction_angle": angle}
+    return {key: value for key, value in table.items() if key != FRICTION} | {
+        "friction_angle": angle
+    }
 
 
 def _masonry(given):

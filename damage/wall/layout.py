@@ -346,7 +346,7 @@ class Layout:
         levels = sorted({wall.height, *(floor.level for floor in wall.floors)})
         raise InputError(
             f"--floor-share at {level:g} m: wall {wall.name} has no floor there, expected one of"
-            f" {', '.join(f'{one:g}' for one in levels)} m; correct it"
+            f" {', '.join(f'{level:g}' for level in levels)} m; correct it"
         )
 
     def height_of_push(self, floor_shares: Sequence = ()) -> float:

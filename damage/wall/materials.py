@@ -215,32 +215,30 @@ def _named(what, name, known):
 def as_dict() -> dict:
     """Materials and formats as plain tables, in SI units."""
     return {
-        "materials": {name: one._asdict() for name, one in MATERIALS.items()},
-        "formats": {name: one._asdict() for name, one in FORMATS.items()},
+        "materials": {name: material._asdict() for name, material in MATERIALS.items()},
+        "formats": {name: brick._asdict() for name, brick in FORMATS.items()},
     }
 
 
 def describe() -> str:
     """Materials and formats with sources, as text."""
     lines = []
-    for name, one in MATERIALS.items():
-        energies = (
-            "brittle"
-            if one.mode_i_fracture_energy is None
-            else (f"G_I {one.mode_i_fracture_energy:g}, G_II {one.mode_ii_fracture_energy:g} J/m2")
-        )
+    for name, material in MATERIALS.items():
+        mode_i = material.mode_i_fracture_energy
+        mode_ii = material.mode_ii_fracture_energy
+        energies = "brittle" if mode_i is None else f"G_I {mode_i:g}, G_II {mode_ii:g} J/m2"
         tension = (
             "f_t not given"
-            if one.tensile_strength is None
-            else f"f_t {one.tensile_strength / 1e6:g} MPa"
+            if material.tensile_strength is None
+            else f"f_t {material.tensile_strength / 1e6:g} MPa"
         )
         lines += [
             (
-                f"{name}: E {one.young_modulus / 1e6:g} MPa, {tension}, c {one.cohesion / 1e6:g}"
-                f" MPa, tan(phi) {one.friction:.3g}, {energies}"
+                f"{name}: E {material.young_modulus / 1e6:g} MPa, {tension},"
+                f" c {material.cohesion / 1e6:g} MPa, tan(phi) {material.friction:.3g}, {energies}"
             ),
-            f"    {one.what}",
-            f"    source: {one.source}",
+            f"    {material.what}",
+            f"    source: {material.source}",
         ]
     lines.append("brick formats, length x thickness x height without mortar:")
     for name, brick in FORMATS.items():

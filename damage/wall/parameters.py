@@ -579,10 +579,11 @@ class Wall:
 def _records(what, given, kind):
     """A tuple of records; InputError for anything else."""
     records = tuple(given) if isinstance(given, (list, tuple)) else (given,)
-    for one in records:
-        if not isinstance(one, kind):
+    for record in records:
+        if not isinstance(record, kind):
             raise InputError(
-                f"{what} has {one!r}: expected {kind.__name__}(...) records in a list; correct it"
+                f"{what} has {record!r}: expected {kind.__name__}(...) records in a list; correct"
+                " it"
             )
     return records
 

@@ -139,7 +139,7 @@ def plan_of(wall, options: ModelOptions | None = None) -> Plan:
         for course in range(wall.courses)
     ]
     bricks = tuple(
-        tuple(one for run in parts for one in _lay_run(brick.length, offset, *run))
+        tuple(brick_ for run in parts for brick_ in _lay_run(brick.length, offset, *run))
         for parts, offset in zip(runs, offsets)
     )
     least = wall.length / 2 - TINY
@@ -179,22 +179,22 @@ def _opening_places(wall, floors):
     ]
     others = [*places, *(place for place in floors if place.floor.is_body)]
     return tuple(
-        one._replace(
+        place._replace(
             spandrel=min(
                 (
-                    max(other.first, one.above)
+                    max(other.first, place.above)
                     for other in others
-                    if other is not one
+                    if other is not place
                     and (
-                        other.left < one.right
-                        and other.right > one.left
-                        and other.above >= one.above
+                        other.left < place.right
+                        and other.right > place.left
+                        and other.above >= place.above
                     )
                 ),
                 default=wall.courses,
             )
         )
-        for one in places
+        for place in places
     )
 
 
@@ -239,7 +239,9 @@ def _lintel_places(brick, openings, runs):
         if above - first < wanted or lintel.kind == "arch":
             height = (above - first) * brick.height
         places.append([lintel, left, right, first, above, place, height, width])
-    for one, other in ((one, other) for k, one in enumerate(places) for other in places[k + 1 :]):
+    for one, other in (
+        (place, other) for k, place in enumerate(places) for other in places[k + 1 :]
+    ):
         apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
         if not apart and other[1] - one[2] < length / 2 - TINY:
             one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)

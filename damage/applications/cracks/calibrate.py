@@ -119,7 +119,7 @@ def calibrated(tests):
         "normal_stiffness": _stiffness(couplets, "normal_stress_mpa", "opening_mm"),
         "shear_stiffness": _stiffness(triplets, "shear_stress_mpa", "slip_mm"),
     }
-    values = {name: one for name, one in values.items() if one}
+    values = {name: value for name, value in values.items() if value}
     notes = []
     if len(triplets):
         line, notes = _mohr_coulomb(triplets)
@@ -135,8 +135,8 @@ def _implausible(values):
     ranges["Joint.friction"] = angle._replace(
         least=math.tan(angle.least), most=math.tan(angle.most), unit="[-]"
     )
-    for name, one in values.items():
-        value = one["value"]
+    for name, result in values.items():
+        value = result["value"]
         least, most, unit, *_ = ranges[f"Joint.{name}"]
         if value < 0:
             yield f"the line has a negative {name}: look at the tests, or take zero"
@@ -152,12 +152,12 @@ def _stiffness(rows, stress, displacement):
     """Mean slope of stress over displacement of the specimens [Pa/m], a table as of `calibrated`;
     None without any.  Zero stress is that of the column, wherever the first row lies."""
     slopes = []
-    for name, one in rows.dropna(subset=[stress, displacement]).groupby("specimen", sort=False):
-        load = one[stress].abs()
-        rising = one.loc[: load.idxmax()]
+    for name, test in rows.dropna(subset=[stress, displacement]).groupby("specimen", sort=False):
+        load = test[stress].abs()
+        rising = test.loc[: load.idxmax()]
         share = rising[stress].abs() / load.max()
         elastic = rising[share.between(*ELASTIC)]
-        if len(one) > 1 and elastic[displacement].nunique() < 2:
+        if len(test) > 1 and elastic[displacement].nunique() < 2:
             raise InputError(
                 f"specimen {name}: {counted(len(elastic), 'row')} between {ELASTIC[0]:g} and"
                 f" {ELASTIC[1]:g} of its largest {stress}, {load.max():g}, the first row at"
@@ -202,14 +202,17 @@ def _mohr_coulomb(triplets):
         "friction": (line.slope, line.stderr),
     }
     return {
-        name: {**_value(*one, scatter, len(rows)), "characteristic": CHARACTERISTIC * float(one[0])}
-        for name, one in values.items()
+        name: {
+            **_value(*value, scatter, len(rows)),
+            "characteristic": CHARACTERISTIC * float(value[0]),
+        }
+        for name, value in values.items()
     }, notes
 
 
 def _value(value, standard_error, scatter, specimens):
     numbers = {"value": value, "standard_error": standard_error, "scatter": scatter}
-    return {name: None if one is None else float(one) for name, one in numbers.items()} | {
+    return {name: None if number is None else float(number) for name, number in numbers.items()} | {
         "specimens": specimens
     }
 
@@ -217,17 +220,17 @@ def _value(value, standard_error, scatter, specimens):
 def describe(values):
     """Text of what `calibrated` found: the table [joint] of a wall file."""
     lines = ["[joint]"]
-    for name, one in values.items():
+    for name, value in values.items():
         if name == "notes":
             continue
-        error = one["standard_error"]
-        scatter = one["scatter"]
-        counts = [counted(one["specimens"], "specimen")]
+        error = value["standard_error"]
+        scatter = value["scatter"]
+        counts = [counted(value["specimens"], "specimen")]
         counts += [] if error is None else [f"standard error {error:.2g}"]
         counts += [] if scatter is None else [f"scatter {100 * scatter:.2g} %"]
-        if "characteristic" in one:
-            counts.append(f"characteristic {one['characteristic']:.3g}")
-        lines.append(f"{name} = {one['value']:.4g}".ljust(34) + f"# {', '.join(counts)}")
+        if "characteristic" in value:
+            counts.append(f"characteristic {value['characteristic']:.3g}")
+        lines.append(f"{name} = {value['value']:.4g}".ljust(34) + f"# {', '.join(counts)}")
     if "cohesion" in values:
         scatter = values["cohesion"]["scatter"]
         lines.append(f"# strengths of a wall's joints: --strength-cov {scatter:.2g}")

@@ -206,7 +206,9 @@ def _compare_survey(asked, paths):
         asked,
         comparisons,
         lambda comparisons: "\n".join(
-            line for one in comparisons for line in (one["run"], *describe_beside(one))
+            line
+            for comparison in comparisons
+            for line in (comparison["run"], *describe_beside(comparison))
         ),
     )
 

@@ -130,8 +130,8 @@ def _measured(history, to=None):
     return (
         test,
         {
-            name: one
-            for name, one in figures.items()
+            name: figure
+            for name, figure in figures.items()
             if same or name not in ("mean_force_n", "left_n")
         },
         to,
@@ -161,7 +161,10 @@ def figures(history, to=None):
             (
                 words,
                 unit,
-                *(None if one is None else one / size for one in (means[name], measured.get(name))),
+                *(
+                    None if value is None else value / size
+                    for value in (means[name], measured.get(name))
+                ),
             )
         )
     crack = capacity.drift_at_first_crack(history)
@@ -277,7 +280,7 @@ def draws_report(histories, to=None):
     draws = [capacity.capacity(history, to) for history in histories]
     rows = []
     for name, (_, unit, size) in FIGURES.items():
-        values = [one[name] / size for one in draws if one[name] is not None]
+        values = [draw[name] / size for draw in draws if draw[name] is not None]
         whole = len(values) == len(draws)
         low, middle, high = drawn_range(values) if whole else [None] * 3
         rows.append(
@@ -298,8 +301,8 @@ def draws_report(histories, to=None):
         "test": test and test.specimen,
         "figures": rows,
         "ultimate_drift_note": draws[0]["ultimate_drift_note"],
-        "not_ended": sum(not one["ended"] for one in draws),
-        "failure": dict(Counter(one["failure"]["mode"] or "none" for one in draws).most_common()),
+        "not_ended": sum(not draw["ended"] for draw in draws),
+        "failure": dict(Counter(draw["failure"]["mode"] or "none" for draw in draws).most_common()),
         "failure_measured": test and test.mode,
     }
 

@@ -300,7 +300,7 @@ def seen_of(survey, opening_m, offset_m, wall):
     places = places_on(wall)
     width = visible(survey, opening_m, offset_m)
     moved = (width > 0) & cracked(np.abs(offset_m), survey.detection_limit_m)
-    return Seen(*(places.sums(places.length * one) for one in (width, width > 0, moved)))
+    return Seen(*(places.sums(places.length * array) for array in (width, width > 0, moved)))
 
 
 def surveyed(survey, wall):

@@ -39,8 +39,8 @@ def exposure_picture(exposure):
             f" of them with a median from {FROM_MM_S:g} mm/s"
         ),
         "; ".join(
-            f"{k}: {one.place} {one.time_utc[:4]}, M {one.magnitude:g}"
-            for k, one in enumerate(named, 1)
+            f"{k}: {event.place} {event.time_utc[:4]}, M {event.magnitude:g}"
+            for k, event in enumerate(named, 1)
         ),
     )
     style.put_title(figure, *title)

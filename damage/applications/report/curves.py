@@ -218,8 +218,8 @@ def write_curves(fits, folder, eigen_period_s):
     paths = []
     for wall, ones in fits.items():
         joined = with_one_dispersion(ones)
-        for measure in dict.fromkeys(one.measure for one in joined):
-            same = [one for one in joined if one.measure == measure]
+        for measure in dict.fromkeys(fit.measure for fit in joined):
+            same = [fit for fit in joined if fit.measure == measure]
             stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
             paths += [
                 write_nrml(
@@ -234,7 +234,7 @@ def write_curves(fits, folder, eigen_period_s):
 
 def without_nrml(fits):
     """Lines on intensities of curves {wall: [Fragility]} that OpenQuake has no name for."""
-    intensities = {one.intensity for ones in fits.values() for one in ones}
+    intensities = {fit.intensity for ones in fits.values() for fit in ones}
     return [
         f"no NRML by {name}: OpenQuake has no name for this intensity"
         for name in sorted(intensities - set(_TYPES))
@@ -253,32 +253,32 @@ def coefficients(fits):
         [
             {
                 "wall": wall,
-                "state": one.state,
-                "measure": one.measure,
-                "level": one.level,
-                "level_unit": unit_of(one.measure)[1],
-                "intensity": one.intensity,
-                "intensity_unit": unit_of(one.intensity)[1],
+                "state": fit.state,
+                "measure": fit.measure,
+                "level": fit.level,
+                "level_unit": unit_of(fit.measure)[1],
+                "intensity": fit.intensity,
+                "intensity_unit": unit_of(fit.intensity)[1],
                 "distribution": (
-                    "step" if one.step else "lognormal" if np.isfinite(one.median) else "none"
+                    "step" if fit.step else "lognormal" if np.isfinite(fit.median) else "none"
                 ),
-                "median": np.nan if one.step else one.median,
-                "dispersion": np.nan if one.step else one.dispersion,
-                **dict(zip(("step_low", "step_high"), one.step or (None, None))),
+                "median": np.nan if fit.step else fit.median,
+                "dispersion": np.nan if fit.step else fit.dispersion,
+                **dict(zip(("step_low", "step_high"), fit.step or (None, None))),
                 **dict(
                     zip(
                         ("new_record_low", "new_record_high"),
-                        one.new_record.median_bounds() if one.new_record else (np.nan, np.nan),
+                        fit.new_record.median_bounds() if fit.new_record else (np.nan, np.nan),
                     )
                 ),
                 "common_median": np.nan if joined.step else joined.median,
                 "common_dispersion": np.nan if joined.step else joined.dispersion,
-                "undetermined": one.why,
-                "runs": one.n_runs,
-                "exceeding": one.n_exceeding,
-                "records": one.n_records,
+                "undetermined": fit.why,
+                "runs": fit.n_runs,
+                "exceeding": fit.n_exceeding,
+                "records": fit.n_records,
             }
             for wall, ones in fits.items()
-            for one, joined in zip(ones, with_one_dispersion(ones))
+            for fit, joined in zip(ones, with_one_dispersion(ones))
         ]
     )

@@ -34,13 +34,13 @@ def house_part(history, summaries):
         "status": summary["status"],
         "heads": [result_of(column).heading for column in WALLS],
         "walls": [
-            (name, [_cell(result_of(column), value_in(one, column)) for column in WALLS])
-            for name, one in summaries.items()
+            (name, [_cell(result_of(column), value_in(summary, column)) for column in WALLS])
+            for name, summary in summaries.items()
         ],
         "corner_heads": [result.heading for result in CORNERS.values()],
         "corners": [
-            (name, [_cell(result, one[key]) for key, result in CORNERS.items()])
-            for name, one in summary["corners"].items()
+            (name, [_cell(result, corner[key]) for key, result in CORNERS.items()])
+            for name, corner in summary["corners"].items()
         ],
         "pictures": [
             (as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures

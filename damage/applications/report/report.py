@@ -121,7 +121,7 @@ def page(files, folders, words=Words()):
     known = {run["history"].path: run["summary"] for run in runs}
     houses = [
         house_part(
-            history, {one.wall: known.get(one.path) or summarise(one) for one in history.parts}
+            history, {part.wall: known.get(part.path) or summarise(part) for part in history.parts}
         )
         for history in histories
         if history.is_house

@@ -76,14 +76,14 @@ def _evidence(evidence):
             {
                 "name": name,
                 "range": ranges[name],
-                "where": {True: "inside", False: "outside"}.get(one["inside"], ""),
+                "where": {True: "inside", False: "outside"}.get(quantity["inside"], ""),
                 "value": (
                     "does not apply"
-                    if one["inside"] is None
-                    else f"{one['value']:.3g} {one['unit']}"
+                    if quantity["inside"] is None
+                    else f"{quantity['value']:.3g} {quantity['unit']}"
                 ),
             }
-            for name, one in evidence.items()
+            for name, quantity in evidence.items()
         ],
     }
 

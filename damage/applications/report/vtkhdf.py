@@ -185,7 +185,7 @@ class WallCells:
         nearest = [
             nearest_snapshot(self.history, time_s) for time_s in self.history.series["time_s"]
         ]
-        return np.array([-1 if one is None else one for one in nearest])
+        return np.array([-1 if snapshot is None else snapshot for snapshot in nearest])
 
     def displacement(self, snapshot):
         """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""

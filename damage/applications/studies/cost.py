@@ -46,7 +46,7 @@ def size_of(run):
     layout, time_step, scaling = _built(run, settings[0])
     interval = sample_steps(time_step, scaling)
     schedules = [stages(setting, layout, time_step, interval) for setting in settings]
-    steps = sum(one[-1].end_step for one in schedules) / lives
+    steps = sum(schedule[-1].end_step for schedule in schedules) / lives
     more = settlement_work(layout.n_joints) - 1.0 if run.solver == "reference" else 0.0
     by = SCALED if scaling == SELECTIVE else 1.0
     return layout.n_joints, steps, by * (steps + more * zero_step(schedules[0]))

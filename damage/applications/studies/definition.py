@@ -322,7 +322,7 @@ def _entries(table, path, root):
     """Yield (table of a point, its position in the file), first of runs, then of grids."""
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
-        if not isinstance(tables, list) or not all(isinstance(one, dict) for one in tables):
+        if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
             raise InputError(
                 f"{path}: {kind} is no list of tables; expected one [[{kind}]] for each; write them"
             )

@@ -238,8 +238,8 @@ def handled(handler):
     try:
         yield
     finally:
-        for name, one in before.items():
-            signal.signal(name, one)
+        for name, handler in before.items():
+            signal.signal(name, handler)
 
 
 def is_short(folder):

@@ -424,8 +424,8 @@ def _drawn(counts, sizes, random):
     """Return the numbers of runs and of those that exceed, by intensity, of a bootstrap sample of
     walls and records."""
     walls, records = (
-        np.bincount(one.integers(size, size=size), minlength=size)
-        for one, size in zip(random, sizes)
+        np.bincount(draws.integers(size, size=size), minlength=size)
+        for draws, size in zip(random, sizes)
     )
     return np.einsum("kwri,w,r->ki", counts, walls, records)
 
@@ -527,9 +527,9 @@ def fragility_table(fits, intensity):
     """A DataFrame with a row for each wall, measure and level."""
     return pd.DataFrame(
         [
-            {"wall": wall, "intensity": intensity, **one.row()}
+            {"wall": wall, "intensity": intensity, **fit.row()}
             for wall, ones in fits.items()
-            for one in ones
+            for fit in ones
         ]
     )
 
@@ -552,24 +552,24 @@ def in_words(fits):
                 f" {'mean curve':>16} {'a new record':>16}"
             ),
         ]
-        for one in ones:
+        for fit in ones:
             median = (
-                _span(one.step)
-                if one.step
-                else f"{one.median:#.3g}"
-                if np.isfinite(one.median)
+                _span(fit.step)
+                if fit.step
+                else f"{fit.median:#.3g}"
+                if np.isfinite(fit.median)
                 else "-"
             )
             dispersion = (
-                "step" if one.step else f"{one.dispersion:.2f}" if np.isfinite(one.median) else "-"
+                "step" if fit.step else f"{fit.dispersion:.2f}" if np.isfinite(fit.median) else "-"
             )
-            new = one.new_record.median_bounds() if one.new_record else (np.nan, np.nan)
-            mean = one.median_bounds()[:, 0]
+            new = fit.new_record.median_bounds() if fit.new_record else (np.nan, np.nan)
+            mean = fit.median_bounds()[:, 0]
             lines.append(
-                f"{one.state:28} {one.n_exceeding:6} {median:>16} {dispersion:>10}"
+                f"{fit.state:28} {fit.n_exceeding:6} {median:>16} {dispersion:>10}"
                 f" {_span(mean):>16} {_span(new):>16}"
             )
-            notes += one.notes()
+            notes += fit.notes()
         notes += filter(None, [few_note(one.n_records)])
         notes += crossings(ones)
     return "\n".join(lines + notes)
@@ -595,9 +595,9 @@ def at_intensities(fits, values):
     own probability with its median, and the mean of the latter."""
     rows = []
     unknown = (np.nan, np.nan)
-    for wall, one in ((wall, one) for wall, ones in fits.items() for one in ones):
-        mean = one.bounds(values)
-        new = one.new_record
+    for wall, fit in ((wall, fit) for wall, ones in fits.items() for fit in ones):
+        mean = fit.bounds(values)
+        new = fit.new_record
         for place, value in enumerate(values):
             low, high = unknown if mean is None else mean[:, place]
             new_low, new_median, new_high = (
@@ -606,20 +606,20 @@ def at_intensities(fits, values):
             rows.append(
                 {
                     "wall": wall,
-                    "state": one.state,
-                    "measure": one.measure,
-                    "level": one.level,
-                    "intensity": one.intensity,
+                    "state": fit.state,
+                    "measure": fit.measure,
+                    "level": fit.level,
+                    "intensity": fit.intensity,
                     "value": value,
-                    "unit": unit_of(one.intensity)[1],
-                    "probability": one.probability(value),
+                    "unit": unit_of(fit.intensity)[1],
+                    "probability": fit.probability(value),
                     "mean_low": low,
                     "mean_high": high,
                     "new_record_low": new_low,
                     "new_record_median": new_median,
                     "new_record_high": new_high,
                     "new_record": new.probability([value])[0] if new else np.nan,
-                    "undetermined": one.why,
+                    "undetermined": fit.why,
                 }
             )
     return pd.DataFrame(rows)

@@ -90,7 +90,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
 def _panel(ax, number, x, runs, fits, intensity):
     """The curves of one measure; returns the kinds of bands that are drawn, a set."""
     styled_fits = list(zip(fits, cycle(STYLES)))
-    handles, kinds = zip(*(_draw(ax, x, runs, one, style, intensity) for one, style in styled_fits))
+    handles, kinds = zip(*(_draw(ax, x, runs, fit, style, intensity) for fit, style in styled_fits))
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
     measure = fits[0].measure
     letter(ax, number, label(measure).removesuffix(" [-]") if measure in LEVELS else label(measure))

@@ -120,7 +120,7 @@ def _plain(value):
         return {"kind": type(value).__name__} | {
             field.name: _plain(getattr(value, field.name)) for field in _fields(value)
         }
-    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+    return [_plain(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def _differing(then, now, name):

@@ -57,7 +57,7 @@ class Worker:
         Task.batch: of two, each would have too few."""
         return not self.tasks or (
             len(self.tasks) < share
-            and all(one.steps and not one.alone for one in (task, *self.tasks))
+            and all(task_.steps and not task_.alone for task_ in (task, *self.tasks))
             and task.batch == self.tasks[0].batch
         )
 
@@ -146,7 +146,8 @@ class Pool:
                 self._later.append(task)
             else:
                 place = next(
-                    (k for k, one in enumerate(self._waiting) if not one.steps), len(self._waiting)
+                    (k for k, waiting in enumerate(self._waiting) if not waiting.steps),
+                    len(self._waiting),
                 )
                 self._waiting.insert(place if task.steps else len(self._waiting), task)
 
@@ -160,7 +161,11 @@ class Pool:
             if not busy:
                 return
             wait(
-                [one for worker in busy for one in (worker.connection, worker.process.sentinel)],
+                [
+                    channel
+                    for worker in busy
+                    for channel in (worker.connection, worker.process.sentinel)
+                ],
                 LOOK_S,
             )
             for worker in busy:

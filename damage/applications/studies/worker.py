@@ -156,7 +156,7 @@ class Group:
         if time.monotonic() > self._said + SHARES_S:
             self._said = time.monotonic()
             under_way = self._shares.keys() & self._tasks.keys()
-            self._connection.send((None, None, {one: self._shares[one] for one in under_way}))
+            self._connection.send((None, None, {task: self._shares[task] for task in under_way}))
 
     def end(self, name, status):
         """Send what became of a run, by its exit status."""

@@ -119,7 +119,7 @@ def widths(worlds, surveyed_mm=None, error_mm=0.0):
     if surveyed_mm is not None and widths["before"]:
         widths["left"] = [surveyed_mm - error_mm, surveyed_mm, surveyed_mm + error_mm]
         widths["added"] = [
-            now - one for now, one in zip(widths["left"], reversed(widths["before"]))
+            now - before for now, before in zip(widths["left"], reversed(widths["before"]))
         ]
     return widths
 

@@ -241,10 +241,10 @@ def _evidence(history, outside):
     outside: of Twins."""
     evidence = evidence_for(history.masonry_wall, history.parameters, summarise(history))
     runs = list(map(names_outside, outside))
-    for name, one in evidence.items():
-        one["outside_share"] = float(np.mean([name in of for of in runs]))
-        if one["outside_share"]:
-            one["inside"] = False
+    for name, quantity in evidence.items():
+        quantity["outside_share"] = float(np.mean([name in of for of in runs]))
+        if quantity["outside_share"]:
+            quantity["inside"] = False
     return evidence
 
 
@@ -268,5 +268,5 @@ def describe(numbers, language="en"):
         *sentences["answer"],
         *map(_crack_in_words, numbers["cracks"]),
     ]
-    lines += [f"would help: {one}" for one in sentences["helps"]]
+    lines += [f"would help: {sentence}" for sentence in sentences["helps"]]
     return "\n".join(filter(None, [*lines, numbers["more_draws"]]))

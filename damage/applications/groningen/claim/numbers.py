@@ -60,7 +60,7 @@ def likeness_of(twins, survey, wall):
     """The Likeness of a damage.applications.cracks.survey.Survey on the Layout wall."""
     mine, known = surveyed(survey, wall)
     seen = [seen_of(survey, twins.opening_m[name], twins.offset_m[name], wall) for name in STATES]
-    away = np.array([distances(mine, one, survey.width_error_m, known) for one in seen])
+    away = np.array([distances(mine, life, survey.width_error_m, known) for life in seen])
     shown = claimed(twins, seen)
     pairs = pairwise(
         Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known
@@ -71,7 +71,7 @@ def likeness_of(twins, survey, wall):
 
 def claimed(twins, seen):
     """Whether walls stand with visible cracks (2, n), of Seen of STATES: others are in no claim."""
-    cracked = np.array([one.length.sum(axis=1) > 0 for one in seen])
+    cracked = np.array([life.length.sum(axis=1) > 0 for life in seen])
     return cracked & ~np.array([twins.fell[name] for name in STATES])
 
 

@@ -111,17 +111,19 @@ def in_words(numbers, language="en"):
     shown = partial(number, language)
     why = [
         say(
-            f"why_{one['why']}",
-            value=_beyond(one["value"] * (100 if one["why"] in _PERCENT else 1), limit, shown),
+            f"why_{question['why']}",
+            value=_beyond(
+                question["value"] * (100 if question["why"] in _PERCENT else 1), limit, shown
+            ),
             limit=shown(limit),
         )
-        for one in numbers["no_answer"]
-        for limit in (_LIMITS[one["why"]],)
+        for question in numbers["no_answer"]
+        for limit in (_LIMITS[question["why"]],)
     ]
     return {
         "answer": _answer(numbers, say, shown),
         "why": why,
-        "helps": [say(f"help_{one}") for one in _helps(numbers)],
+        "helps": [say(f"help_{help_}") for help_ in _helps(numbers)],
     }
 
 
@@ -142,7 +144,7 @@ def whether_more_draws_help(numbers, language):
         "more_of_none",
         can=say("more_can" if share * most >= LEAST_DRAWS else "more_cannot"),
         n=numbers["draws"],
-        nearest=shown(min((one["distance"] for one in numbers["nearest"]), default=None)),
+        nearest=shown(min((life["distance"] for life in numbers["nearest"]), default=None)),
         farthest=shown(numbers["farthest"]),
         share=shown(100 * share),
         most=most,
@@ -181,7 +183,7 @@ def _answer(numbers, say, shown):
             if entry[name]["share"] is not None
         ]
         ranges = (
-            "-".join(str(one) for one in sorted({round(min(shares)), round(max(shares))}))
+            "-".join(str(share) for share in sorted({round(min(shares)), round(max(shares))}))
             if shares
             else "-"
         )
@@ -193,8 +195,8 @@ def _answer(numbers, say, shown):
     ]
     if added:
         least, most = (
-            round(one, 2) + 0.0
-            for one in (min(one[0] for one in added), max(one[2] for one in added))
+            round(width, 2) + 0.0
+            for width in (min(width[0] for width in added), max(width[2] for width in added))
         )
         sentences.append(
             say(
@@ -211,7 +213,7 @@ def _taken(numbers, say, shown):
     given = numbers["settlement"]
     survey = numbers["survey"]
     if "drawn" in given:
-        least, most = (round(1 / one) for one in given["distortion"])
+        least, most = (round(1 / distance) for distance in given["distortion"])
         ground = say("settled_drawn", least=least, most=most)
     elif given["distortion"]:
         ground = say(
@@ -282,12 +284,12 @@ def _evidence(evidence, language):
         say(
             "quantity_outside",
             name=say(f"quantity {name}"),
-            range=say("range", least=shown(one["least"], 3), most=shown(one["most"], 3)),
-            unit=one["unit"] and f" {one['unit']}",
+            range=say("range", least=shown(quantity["least"], 3), most=shown(quantity["most"], 3)),
+            unit=quantity["unit"] and f" {quantity['unit']}",
         )
         + (share < 1) * say("in_runs", share=shown(100 * share))
-        for name, one in evidence.items()
-        if (share := one["outside_share"]) > 0
+        for name, quantity in evidence.items()
+        if (share := quantity["outside_share"]) > 0
     ]
     known = sum(quantity["inside"] is not None for quantity in evidence.values())
     return (

@@ -149,7 +149,7 @@ def read_twins(folder, layout):
             for number, record in records.of_point(run).items()
         }
         done[run.point.partition("_from")[0]] |= {
-            number: one for number, one in runs.items() if one[1].is_file()
+            number: life for number, life in runs.items() if life[1].is_file()
         }
     numbers = sorted(done[SHAKEN].keys() & done[BOTH].keys())
     if len(numbers) < 2:

@@ -352,7 +352,7 @@ def _one_by_one(events):
                 break
         else:
             events_left.append(event)
-    return [one.Index for one in sorted(events_left, key=lambda one: one.time)], pairs
+    return [event.Index for event in sorted(events_left, key=lambda one: one.time)], pairs
 
 
 @lru_cache(maxsize=1)

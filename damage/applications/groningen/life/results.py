@@ -151,7 +151,7 @@ def lives_of(folder):
                 Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
                 for number, record in records.of_point(run).items()
             ]
-    if not any(len(one.table) for one in lives):
+    if not any(len(part.table) for part in lives):
         raise InputError(
             f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m"
             " damage life makes it"
@@ -220,7 +220,7 @@ def together(parts):
         parts_of_point.setdefault(part.point, []).append(part)
     lives = []
     for several in parts_of_point.values():
-        tables = [one.table for one in several if len(one.table)]
+        tables = [part.table for part in several if len(part.table)]
         if tables:
             rows = pd.concat(tables, ignore_index=True).drop_duplicates(
                 ["seed", "life", "event"], keep="first"
@@ -233,13 +233,13 @@ def largest_alone(parts):
     """Return {point: (lives with all events, the same with the largest alone)} of the points that
     have both, as DataFrames of `Lives.until` with equal rows."""
     alone = {}
-    for one, other in product(parts, repeat=2):
-        if _is_of_the_largest(other, one):
-            first = one.last
+    for part, other in product(parts, repeat=2):
+        if _is_of_the_largest(other, part):
+            first = part.last
             second = other.last
             both = first.index.intersection(second.index)
             if len(both) > 1:
-                alone[one.point] = first.loc[both], second.loc[both]
+                alone[part.point] = first.loc[both], second.loc[both]
     return alone
 
 
