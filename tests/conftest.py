@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 import warnings
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import h5py
@@ -192,22 +192,22 @@ def yade_command():
 
 
 @pytest.fixture(scope="session")
-def in_both(yade_command, damage_command):
-    """in_both(folder, *words): {solver: History} of the same run in YADE and in the reference
-    solver; what each said is in yade.txt and reference.txt.  yade: words before the others,
-    reference: words behind them."""
+def in_both(yade_command):
+    """in_both(folder, *words): {solver: History} of the same run in YADE and, in this process, in
+    the reference solver; what each said is in yade.txt and reference.txt.  yade: words before the
+    others, reference: words behind them."""
 
     def run(folder, *words, yade=(), reference=()):
         words = [*words, "--no-pictures", "--out"]
-        done = {
-            "yade": yade_command(*yade, *words, folder / "yade.h5", status=0),
-            "reference": damage_command(
-                "reference", *words, folder / "reference.h5", *reference, status=0
-            ),
-        }
-        for solver, one in done.items():
-            (folder / f"{solver}.txt").write_text(one.stdout + one.stderr)
-        return {solver: read_history(folder / f"{solver}.h5") for solver in done}
+        done = yade_command(*yade, *words, folder / "yade.h5", status=0)
+        (folder / "yade.txt").write_text(done.stdout + done.stderr)
+        with (
+            (folder / "reference.txt").open("w") as said,
+            redirect_stdout(said),
+            redirect_stderr(said),
+        ):
+            assert run_reference(in_words([*words, folder / "reference.h5", *reference])) == 0
+        return {solver: read_history(folder / f"{solver}.h5") for solver in ("yade", "reference")}
 
     return run
 

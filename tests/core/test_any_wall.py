@@ -15,22 +15,6 @@ from damage.wall.kinds import BED, CUT, GROUND, HEAD
 from damage.wall.layout import lay_out
 
 SIZES = st.sampled_from([(0.28, 0.1), (0.225, 0.075), (0.21, 0.06), (0.4, 0.2)])
-OUTLINES = (
-    ((0.0, 0.5), (0.3, 1.0), (1.0, 0.3)),
-    ((0.0, 0.4), (1.0, 1.0)),
-    ((0.0, 1.0), (0.6, 1.0), (0.6, 0.55), (1.0, 0.55)),
-    (
-        (0.0, 0.4),
-        (0.12, 0.4),
-        (0.12, 0.7),
-        (0.3, 0.7),
-        (0.3, 1.0),
-        (0.7, 1.0),
-        (0.7, 0.5),
-        (1.0, 0.5),
-    ),
-)
-"""A gable, a lean-to, a lower wing and steps: shares of the length and of the height."""
 LINTELS = ("courses", "concrete", "timber", "steel", "arch")
 
 
@@ -195,99 +179,6 @@ def test_the_mass_is_that_of_what_is_drawn(table, top):
     )
     caps = 0 if top == "uniform" or not stress else 1 if top == "beam" else len(layout.plan.piers)
     assert len(bodies) - layout.n_below_caps == caps
-
-
-def image(table):
-    """The table of a wall's mirror image, whose base course begins on the left with what ends it on
-    the right."""
-    length = table["length"]
-    halves = round(2 * table["length"] / table["brick"]["length"])
-    other = {"whole": "half", "half": "whole"}[table["base_course"]]
-    table = table | {
-        "openings": [
-            one | {"left": length - one["left"] - one["width"]} for one in table["openings"]
-        ],
-        "base_course": other if halves % 2 else table["base_course"],
-    }
-    if "outline" in table:
-        table["outline"] = [[length - x, z] for x, z in reversed(table["outline"])]
-    if "floors" in table:
-        table["floors"] = [
-            one | {"left": length - one["right"], "right": length - one["left"]}
-            for one in table["floors"]
-        ]
-    return table
-
-
-def parts_of(layout, side):
-    """Bodies, and joints between two of them, as sorted rows, x from the middle to one side.
-
-    Of a joint the sums over its contact points: area, its first moment, stiffnesses and strengths.
-    Points themselves are not compared: a joint of one and a half cells has one or two, and rounding
-    decides.
-    """
-    bodies = layout.bodies
-    contacts = layout.contacts
-    middle = layout.wall.length / 2
-    along = side * (bodies.x - middle)
-    area = contacts.area
-    laid = np.column_stack(
-        [bodies.z, along, bodies.length, bodies.height, bodies.mass, bodies.inertia]
-    )
-    pair = [
-        np.where(contacts.first < 0, 0.0, values[contacts.first]) + values[contacts.second]
-        for values in (along, bodies.z)
-    ]
-    joints, row = np.unique(np.round([contacts.kind, *pair], 6), axis=1, return_inverse=True)
-    sums = [
-        np.bincount(row.ravel(), values * area)
-        for values in (
-            1.0,
-            side * (contacts.x - middle),
-            contacts.z,
-            contacts.elastic,
-            contacts.normal_stiffness / 1e10,
-            contacts.shear_stiffness / 1e10,
-            contacts.tensile_strength / 1e5,
-            contacts.cohesion / 1e5,
-        )
-    ]
-    return laid[np.lexsort(np.round(laid, 6).T[::-1])], np.column_stack([*joints, *sums])
-
-
-@any_legal_wall
-@given(
-    walls(),
-    st.integers(8, 24),
-    st.floats(0.0, 0.4),
-    st.sampled_from(OUTLINES),
-    st.sampled_from(["interior", "corners", "gauss"]),
-)
-def test_a_mirrored_drawing_has_the_mirrored_layout(table, halves, apart, outline, placing):
-    """Walls of any length of whole and half bricks; in others the bond begins on the left.
-    Openings are off each place where two ends of a lintel are as near, and no lintel is an arch,
-    whose length over a brick's height may be as near to two whole numbers: rounding decides
-    there."""
-    assume(table["lintel"] != "arch")
-    length = halves * table["brick"]["length"] / 2
-    table = table | {
-        "length": length,
-        "openings": [
-            one | {"left": one["left"] + 1.37e-3, "width": one["width"] + 0.91e-3}
-            for one in table["openings"]
-        ],
-    }
-    if "outline" in table:
-        table["outline"] = [[length * x, table["height"] * z] for x, z in outline]
-    if "floors" in table:
-        table["floors"] = [
-            one | {"left": apart * length, "right": length} for one in table["floors"]
-        ]
-    layout = laid_out(table, contacts=placing)
-    for here, there in zip(
-        parts_of(layout, 1), parts_of(lay_out(wall_from(image(table)), layout.options), -1)
-    ):
-        assert_allclose(there, here, atol=1e-6)
 
 
 @any_legal_wall

@@ -143,15 +143,6 @@ def test_imports_follow_the_order_of_rooms_and_no_circle():
     assert faults(MODULES) == []
 
 
-@pytest.mark.parametrize("room", [room for room in RANK if room != "tests"])
-def test_an_upward_import_is_found_in_every_room(room):
-    """In one module of each room an import from the room after it is seeded."""
-    module = next(name for name in sorted(MODULES) if room_of(name) == room)
-    above = next(name for name in sorted(MODULES) if room_of(name) == ROOMS[RANK[room] + 1][0])
-    found = faults({**MODULES, module: MODULES[module] | {above}})
-    assert any(line.startswith(f"{module} imports {above}") for line in found)
-
-
 @pytest.mark.parametrize(
     "line",
     [

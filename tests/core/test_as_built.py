@@ -316,13 +316,6 @@ class TestOptions:
             assert np.array_equal(one.bodies.mass, other.bodies.mass) and not one.plan.lintels
         assert lay_out(made).plan.lintels and not lay_out(plain).plan.lintels
 
-    def test_a_run_tells_its_lintels(self):
-        layout = lay_out(wall((DOOR, Opening(1.9, 0.3, 0.2, 0.4, "arch"))))
-        lines = wall_lines(layout, parsed().loading, natural_modes(layout), 1e-5)
-        assert "concrete lintel at 0.8 m, x = 0.7 to 1.7 m: 0.1 x 0.15 m, modulus 30 GPa" in lines
-        assert any(line.startswith("arch lintel at 0.6 m") for line in lines)
-        assert "lintels of their own: no joint is elastic, all can fail" in lines
-
     def test_a_run_tells_which_lintels_of_the_wall_an_option_replaces(self):
         made = wall((DOOR, Opening(1.9, 0.3, 0.2, 0.4, "arch")))
         for option, place in (("timber", "timber lintel at 0.8 m"), ("none", "lintel none")):
@@ -451,25 +444,6 @@ def test_every_summary_tells_the_share(run):
     )
     assert solid["warnings"] == []
     assert re.search(r"^elastic joints +0 +% of the joint length$", describe(solid), re.MULTILINE)
-
-
-def test_a_run_tells_strengths_masses_period_and_share_at_its_start():
-    layout = lay_out(DOOR_WALL)
-    loading = parsed().loading
-    modes = natural_modes(layout)
-    brickwork_t = 1.9 * 0.1025 * (1.8 * 0.6 - 0.9 * 0.45)
-    lines = "\n".join(wall_lines(layout, loading, modes, 1e-5))
-    for words in (
-        f"{layout.n_bricks} bricks ({brickwork_t:.3g} t together)",
-        "top: 5.64 t",
-        "tensile strength 0.21 MPa",
-        "cohesion 0.24 MPa",
-        "friction angle 32 deg, brittle",
-        "modulus 5200 MPa",
-        f"first period by eigenvalue {modes.period_s[0]:.4f} s",
-        "(74 % above the openings) is elastic",
-    ):
-        assert words in lines
 
 
 @pytest.mark.parametrize("kind", ["concrete", "timber", "steel", "arch"])

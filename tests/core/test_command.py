@@ -1,24 +1,19 @@
 """What every command has: its version, quiet, completion of a shell; and messages of a wall file's
 mistakes."""
 
-import os
 import re
 import shlex
 import sys
-import time
 from contextlib import suppress
-from types import SimpleNamespace
 
 import pytest
-from conftest import REPOSITORY, refused_with, run_command, wall_file, written
+from conftest import run_command, wall_file, written
 
 from damage import read_history
 from damage.__main__ import command_parser, main
 from damage.applications import GROUPS
-from damage.checks import check_path
 from damage.commands.table import COMMANDS, PROGRAMS
 from damage.draw import run as pictures
-from damage.mechanics import compiled
 from damage.run.options import make_parser
 from damage.version import VERSION
 
@@ -27,22 +22,6 @@ SMALL = "Wall('w', 0.45, 0.15)"
 
 def test_the_version_has_the_package_s_name(output_of):
     assert output_of("--version").startswith(f"masonry-damage {VERSION}, commit ")
-
-
-def test_compiling_shows_that_it_goes_on(monkeypatch, capsys):
-    monkeypatch.setattr(compiled, "LIFE_S", 0.01)
-    monkeypatch.setattr(compiled, "delete_other_versions", lambda: None)
-    function = SimpleNamespace(py_func=SimpleNamespace(__module__="damage.mechanics.step"))
-    begun = SimpleNamespace(data={"dispatcher": function})
-    listener = compiled._Announcement()
-    listener.on_end(SimpleNamespace(data={"dispatcher": print}))  # of another project's function
-    for step in (listener.on_start, listener.on_start, listener.on_end):  # one within another
-        step(begun)
-    time.sleep(0.1)
-    listener.on_end(begun)
-    assert not listener.thread.is_alive()
-    first, *more = capsys.readouterr().out.splitlines()
-    assert first == compiled.COMPILING and more and set(more) == {"compiling for 0 s ..."}
 
 
 def test_quiet_leaves_files_and_no_word(tmp_path, capsys):
@@ -83,38 +62,6 @@ def test_help_lists_all_commands_in_groups(capsys):
         sorted(set(listed)) == sorted({*COMMANDS, *PROGRAMS, "help"})
         and "other commands" not in shown
     )
-
-
-@pytest.mark.parametrize("words", [["--help"], ["record", "BGAR_HGE"]], ids=" ".join)
-def test_an_old_terminal_gets_replaced_letters(words):
-    done = run_command("env", "PYTHONIOENCODING=ascii", sys.executable, "-m", "damage", *words)
-    assert (done.returncode, done.stderr) == (0, "") and done.stdout.isascii()
-    assert words != ["--help"] or "fa?ade" in done.stdout
-
-
-IN_ASCII = [
-    "env",
-    "LC_ALL=C",
-    "PYTHONUTF8=0",
-    f"PYTHONPATH={REPOSITORY}",
-    sys.executable,
-    "-m",
-    "damage",
-]
-
-
-def test_a_name_that_the_locale_cannot_hold_names_the_locale(tmp_path):
-    """Given, named in a file, or made of a wall's name."""
-    wall = written(tmp_path / "wall.toml", 'name = "größe"\nlength = 0.9\nheight = 0.6\n')
-    folder = tmp_path / "Größe é"
-    folder.mkdir()
-    named = written(folder / "wall.toml", wall.read_bytes())
-    house = written(tmp_path / "house.toml", f'[[walls]]\nfile = "{named.name}ö"\n')
-    for words in (("draw", named), ("draw", house), ("draw", wall)):
-        done = run_command(*IN_ASCII, *words, status=2, cwd=tmp_path)
-        assert "the locale's encoding is ascii; expected UTF-8" in done.stderr
-        assert done.stderr.count("\n") == 1 and "rename" not in done.stderr
-    refused_with("rename it", check_path, os.fsdecode(b"\xe9.toml"))
 
 
 def test_a_wall_in_python_says_how_it_is_run():

@@ -14,7 +14,6 @@ import pytest
 from conftest import one_line_error, total_energy
 from numpy.testing import assert_allclose
 from pytest import approx
-from scipy.linalg import eigh
 from scipy.sparse.linalg import splu
 from short_runs import solver_of
 
@@ -138,55 +137,20 @@ def test_stresses_are_those_of_the_displacements():
     assert_allclose(modes.stress(x, z), stress, atol=1e-7 * np.abs(stress).max())
 
 
-def finite_elements(n_x, n_z, number):
-    """Lowest angular frequencies of the free brick by n_x times n_z elements of nine nodes, mass
-    consistent."""
-    place, weight = np.polynomial.legendre.leggauss(3)
-    terms = np.stack([place * (place - 1) / 2, 1 - place**2, place * (place + 1) / 2])
-    slopes = np.stack([place - 0.5, -2 * place, place + 0.5])
-
-    def line(n, size):
-        """Integrals of N N, N' N' and N' N along an edge of n elements."""
-        found = np.zeros((3, 2 * n + 1, 2 * n + 1))
-        half = size / n / 2
-        for first in range(0, 2 * n, 2):
-            part = slice(first, first + 3)
-            for matrix, (a, b, scale) in zip(
-                found, ((terms, terms, half), (slopes, slopes, 1 / half), (slopes, terms, 1.0))
-            ):
-                matrix[part, part] += scale * (weight * a) @ b.T
-        return found
-
-    (mass_x, stiff_x, mixed_x) = line(n_x, LENGTH)
-    (mass_z, stiff_z, mixed_z) = line(n_z, HEIGHT)
-    (c11, c12, _), (_, c22, _), (_, _, shear) = elasticity_of(BRICK)
-    beside = c12 * np.kron(mixed_x, mixed_z.T) + shear * np.kron(mixed_x.T, mixed_z)
-    stiffness = np.block(
-        [
-            [c11 * np.kron(stiff_x, mass_z) + shear * np.kron(mass_x, stiff_z), beside],
-            [beside.T, c22 * np.kron(mass_x, stiff_z) + shear * np.kron(stiff_x, mass_z)],
-        ]
-    )
-    mass = BRICK.density * np.kron(np.eye(2), np.kron(mass_x, mass_z))
-    return np.sqrt(eigh(stiffness, mass, eigvals_only=True, subset_by_index=[3, number + 2]))
-
-
 def orders(numbers, errors):
     """Between neighbours: minus the slope of ln |error| over ln number."""
     return -np.diff(np.log(np.abs(errors))) / np.diff(np.log(numbers))
 
 
 def test_strain_modes_converge_by_their_order():
-    """The two lowest frequencies of a free brick by polynomials of order p, over those of order 12
-    and, near these, of finite elements.  One stretches the brick along its length and is smooth:
-    its error falls exponentially, so that the order of convergence in p doubles with p.  The other
-    bends it, and leaves displacements of r^2.74 at the free corners (M. L. Williams, 1952): its
-    order grows to 4 times that, 11 (I. Babuska, M. Suri, 1987).  Bending gains nothing from odd p,
-    stretching nothing from even p.
+    """The two lowest frequencies of a free brick by polynomials of order p, over those of order 12.
+    One stretches the brick along its length and is smooth: its error falls exponentially, so that
+    the order of convergence in p doubles with p.  The other bends it, and leaves displacements of
+    r^2.74 at the free corners (M. L. Williams, 1952): its order grows to 4 times that, 11
+    (I. Babuska, M. Suri, 1987).  Bending gains nothing from odd p, stretching nothing from even p.
     """
     p = np.array([2, 4, 8])
     found = {order: brick_modes(BRICK, LENGTH, order).frequency[:2] for order in (*p, 3, 12)}
-    assert_allclose(finite_elements(8, 4, 2), found[12], rtol=1e-3)
     assert_allclose(
         [found[2] / found[12] - 1, found[3] / found[12] - 1],
         [[0.183, 0.102], [0.183, 0.0003]],

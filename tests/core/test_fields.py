@@ -113,6 +113,9 @@ def test_what_is_implausible_is_said_once_and_by_unit():
         length == "Beam.length = 30 m, expected 0.5 to 20 m" and "0.2 MPa is 0.2e6 Pa" in strength
     )
     assert implausible_fields(*beams, unit="Pa") == [strength]
+    for length, strength in ((0.5, 0.0), (20, 1e5), (5, 1e8)):
+        assert implausible_fields(Beam(length, strength=strength)) == []
+    assert len(implausible_fields(Beam(0.495), Beam(20.2), Beam(1.0, strength=1.01e8))) == 3
 
 
 @pytest.mark.parametrize("name", ["mode_i_fracture_energy", "mode_ii_fracture_energy"])

@@ -150,20 +150,6 @@ def test_tables_of_later_versions_are_refused(make, complaint):
     refused_with(complaint, make)
 
 
-def test_every_dataset_names_its_unit(tmp_path):
-    open_writer(tmp_path / "a.h5").finish("complete")
-    with h5py.File(tmp_path / "a.h5", "r") as file:
-        missing = []
-        file.visititems(
-            lambda name, item: (
-                missing.append(name)
-                if isinstance(item, h5py.Dataset) and not {"unit", "codes"} & set(item.attrs)
-                else None
-            )
-        )
-    assert missing == []
-
-
 @pytest.mark.parametrize(
     "make", [lambda path: path.write_text("notes"), os.mkfifo], ids=["text", "pipe"]
 )

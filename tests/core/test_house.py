@@ -199,12 +199,8 @@ def test_a_house_is_found_by_its_name_and_one_that_is_not_suggests_another(
 
 def test_what_takes_a_wall_says_that_this_is_a_house():
     assert "houses run by ./yade" in one_line_error(load_wall, BOX)
-
-
-def test_a_house_is_drawn_in_the_units_that_are_asked_for(error_of, tmp_path):
-    """Units of two bricks have no half brick for the other wall at a toothed corner."""
-    out = tmp_path / "box.png"
-    assert "expected a half brick" in error_of("draw", BOX, "--units", 2, 2, "--out", out)
+    soil = ModelOptions(soil=3e7)
+    assert "house box with --soil" in one_line_error(lay_out_house, read_house(BOX), soil)
 
 
 def test_equal_walls_of_a_house_have_strengths_of_their_own():

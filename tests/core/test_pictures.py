@@ -31,7 +31,6 @@ from damage.draw.run import (
     wall_picture,
 )
 from damage.draw.wall import line_width, wall_shape
-from damage.draw.words import run_title
 from damage.history.moments import JOINT_STATES
 from damage.motion.loading import TopDisplacement
 from damage.units import MILLIMETRE
@@ -242,29 +241,6 @@ class TestIndexPicture:
         assert len(above.get_lines()) == 1
         shaken = index_picture(history(row={"base_acceleration_z_m_s2": 0.981}))
         assert_allclose(line(shaken.axes[0], "base, vertical").get_ydata(), 0.1)
-
-
-class TestTitles:
-    @pytest.mark.parametrize(
-        ("loading", "words"),
-        [
-            ("harmonic", "Small wall, harmonic motion of 0.2 s and 0.05 g, three cycles"),
-            (
-                "cyclic",
-                (
-                    "Small wall, top moved to and fro by a drift of 0.2 %, three cycles, free to"
-                    " rotate"
-                ),
-            ),
-            (
-                "free_vibration",
-                "Small wall, free vibration in its first mode from 1 mm/s at the top",
-            ),
-            ("record", "Small wall, record NL.BGAR.HG1_x2_17-27s_vertical_baseline1_0.1-40Hz"),
-        ],
-    )
-    def test_wall_and_motion_are_named_in_words(self, history, loading, words):
-        assert run_title(history(loading=loading)) == words
 
 
 class TestOtherPictures:

@@ -1,18 +1,12 @@
 """Runs that advance together write the same histories as alone, whatever the others do."""
 
-import os
-import resource
-import signal
-import subprocess
-import sys
-import time
 from dataclasses import replace
 from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, TINY, contents, wall_file, without_progress
+from conftest import TINY, contents, wall_file, without_progress
 
 from damage import read_history
 from damage.mechanics.tables import HAS_FAILED
@@ -29,15 +23,6 @@ OTHERS = {
     5: f"{SHAKEN} --scatter 0.01",
     6: f"{SHAKEN} --cells 3",
 }  # cannot be in a batch with the others
-PROGRAM = """
-import sys
-from damage.reference.session import run_references
-names = sys.argv[2:]
-words = [sys.argv[1], "--harmonic", "0.1", "0.5", "--rest", "100", "--strength-cov", "0.3",
-         "--no-pictures"]
-print(sorted(run_references({name: [*words, "--strength-seed", str(k), "--out", name]
-                             for k, name in enumerate(names)}.items())))
-"""
 
 
 @pytest.fixture
@@ -263,44 +248,3 @@ def test_an_error_of_steps_ends_those_that_took_them_together(
             if name in together_with
             else contents(history) == alone[name]
         )
-
-
-def start(wall, folder, **options):
-    """Eight long runs, in a process of their own."""
-    names = [folder / f"m{k}.h5" for k in range(8)]
-    return names, subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, wall, *names],
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
-        **options,
-    )
-
-
-def test_a_signal_ends_all_politely(tiny, tmp_path):
-    names, process = start(tiny, tmp_path)
-    until = time.monotonic() + 100
-    while not names[-1].is_file() and process.poll() is None and time.monotonic() < until:
-        time.sleep(0.02)
-    process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=100)
-    assert process.returncode == 0 and output.splitlines()[-1] == str(
-        [(str(name), 130) for name in names]
-    ), errors
-    assert [read_history(path).status for path in names] == ["interrupted"] * 8
-
-
-def test_a_disk_that_takes_no_more_ends_all_in_a_line(tiny, tmp_path):
-    names, process = start(
-        tiny,
-        tmp_path,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)),
-    )
-    _, errors = process.communicate(timeout=100)
-    assert process.returncode == 1
-    assert (
-        without_progress(errors).startswith("error: cannot write")
-        and without_progress(errors).count("\n") == 1
-    )
-    assert {read_history(path).status for path in names} == {"unfinished"}

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import REPOSITORY, in_python, run_command
-from numba import njit
 from numba.core.dispatcher import Dispatcher
 from numpy.testing import assert_allclose
 from short_runs import solver_of
@@ -23,20 +22,7 @@ from damage.law.states import ENDED, FAILED
 from damage.mechanics import bodies, samples, step
 from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
 from damage.mechanics.simd import (
-    EIGHT,
     ONE,
-    add,
-    bits,
-    either,
-    flags_of,
-    lane,
-    lanes,
-    load,
-    store,
-    store_where,
-    wall_of,
-    with_lane,
-    zero,
 )
 from damage.mechanics.tables import HAS_FAILED, RIGID
 from damage.motion.loading import Harmonic
@@ -66,7 +52,6 @@ ACTIONS = {
     "hardly shaken": {"pga_g": 0.01},
     "damped by both": {"alpha": 2.0, "beta": 2e-6},
 }
-SPEEDS = 2.5, 0.1, -2.0, 1.9, 3.0
 
 
 def make(kind, seed=0, **more):
@@ -188,44 +173,14 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
     assert (failed.any(axis=0) & ~failed.all(axis=0)).any()  # in some of the walls
 
 
-def test_a_member_that_ends_or_fails_does_not_disturb_the_others():
-    """One is left out after a while, one becomes unstable by too large a time step, one is run
-    alone in between."""
-    walls = [make("brittle", seed) for seed in (0, 1, 2, 0)]
-    reference = make("brittle")
-    for wall in walls:
-        wall.damp(local=0.7)
-    run_together(walls, 200)
-    for wall in walls:
-        begin(wall)
-    walls[3].time_step *= 20
-    ended = None
-    for sample, expected in enumerate(act(reference)):
-        running = [walls[0], walls[3]] + ([walls[1]] if sample < 5 else [])
-        failures = run_together(running, 30, 20)
-        assert failures[0] is None and all(failure is None for failure in failures[2:])
-        if sample == 4:
-            ended = walls[1].system.place.copy()
-        walls[2].run(30, 20)
-        assert everything(walls[0]) == expected
-    assert isinstance(failures[1], FloatingPointError) and "too large" in str(failures[1])
-    assert np.array_equal(walls[1].system.place, ended)
-
-
-@pytest.mark.parametrize("damping", [{}, {"beta": 1e-7}], ids=["undamped", "damped"])
-@pytest.mark.parametrize("dry", [True, False])
-def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
-    strengths = (
-        {"tensile_strength": 0.0, "cohesion": 0.0}
-        if dry
-        else {"tensile_strength": 3e3, "cohesion": 3e3}
-    )
-    wall = Wall("pair", 0.1125, 0.15, precompression=0.0, joint=Joint(**strengths))
+def test_joints_of_deformable_bricks_end_each_by_itself():
+    """Of dry pairs, each pushed at a speed of its own."""
+    joint = Joint(tensile_strength=0.0, cohesion=0.0)
+    wall = Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint)
     layout = lay_out(wall, ModelOptions(bricks="deformable", contacts="gauss", lintel="none"))
-    assert len(layout.bodies) == 2
-    together, alone = [[ReferenceSolver(layout, 4e-6) for _ in SPEEDS] for _ in range(2)]
-    for one, speed in zip([*together, *alone], SPEEDS * 2):
-        one.damp(**damping)
+    speeds = 2.5, 0.1, -2.0
+    together, alone = [[ReferenceSolver(layout, 4e-6) for _ in speeds] for _ in range(2)]
+    for one, speed in zip([*together, *alone], speeds * 2):
         one.system.inverse_mass[0, :RIGID] = 0.0
         one.hold(np.array([1]), rotation=True)
         one.push(speed)
@@ -234,13 +189,8 @@ def test_joints_of_deformable_bricks_end_each_by_itself(dry, damping):
         for one, other in zip(together, alone):
             other.run(3000, 50)
             assert everything(one) == everything(other)
-    assert [one.system.limits[-1, HAS_FAILED] for one in together] == [
-        ENDED,
-        FAILED,
-        ENDED,
-        ENDED,
-        ENDED,
-    ]
+    ends = [one.system.limits[-1, HAS_FAILED] for one in together]
+    assert ends == [ENDED, FAILED, ENDED]
 
 
 @pytest.mark.parametrize(
@@ -305,66 +255,6 @@ def test_calls_of_the_step_leave_nothing_in_memory():
 
     call(200)
     assert call(2000) - call(1) < 200 * 2000
-
-
-# --- vectors --------------------------------------------------------------------------------------
-
-
-def operations(n, numbers, out):
-    """Write what each operation gives of x and y into a field of its own, those that a lane decides
-    last; returns flags as bits."""
-    x = load(n, numbers, 0, 0)
-    y = load(n, numbers, 0, 1)
-    results = (
-        x + y + 1.0,
-        1.0 - x - y,
-        0.5 * x + y * x,
-        1.0 / (x / (y + 3.0)),
-        -x,
-        abs(x),
-        either(x > y, x, 7.0),
-        either(x >= y, 7.0, y),
-        either(x < y, x, 7.0),
-        either(x <= 0.0, x, y),
-        either(x == 0.0, 1.0, y),
-        either((x > y) & (y <= 0.5), x, y),
-        either((abs(x) < y) | (x == 0.0), x, y),
-        zero(n) + 2.5,
-        either(flags_of(n, 0b10010110), 1.5, zero(n)),
-        with_lane(x, lanes(n) - 1, 42.0),
-    )
-    for field, value in enumerate(results):
-        store(n, out, 0, field, value)
-    add(n, out, 0, 0, x)
-    store_where(n, out, 0, 1, x > y, y)
-    for w in range(lanes(n)):
-        one = wall_of(n, w)
-        add(one, out, 0, 2, lane(x, w) * load(one, numbers, 0, 1))
-    return bits((x > y) & (y <= 0.5))
-
-
-def test_an_operation_on_eight_numbers_is_that_on_each_by_itself():
-    """To the last bit, and compiled as in plain Python."""
-    numbers = np.random.default_rng(1).normal(0, 1, (1, 2, 8)) * np.geomspace(1e-8, 1e8, 8)
-    numbers[0, 0, 2:6] = 0.0, -0.0, 1e300, 0.5
-    numbers[0, 1, 5:7] = 0.5, numbers[0, 0, 6]
-    compiled = njit(error_model="numpy")(operations)
-    of_lane = 2
-
-    def results(n, given):
-        made, plain = (np.zeros((1, 16, given.shape[2])) for _ in range(2))
-        flags = compiled(n, given, made)
-        with np.errstate(all="ignore"):
-            assert operations(n, given, plain) == flags
-        assert [field.tobytes() for field in made[0]] == [field.tobytes() for field in plain[0]]
-        return made[0], flags
-
-    wide, flags = results(EIGHT, numbers)
-    assert 0 < flags < 255
-    for w in range(8):
-        one, flag = results(ONE, numbers[..., w : w + 1].copy())
-        assert flag == flags >> w & 1
-        assert one[:-of_lane, 0].tobytes() == wide[:-of_lane, w].tobytes()
 
 
 # --- plain Python ---------------------------------------------------------------------------------

@@ -137,17 +137,6 @@ class TestFullDisk:
         one_error(done, "cannot write")
         assert list(out.iterdir()) == []
 
-    def test_what_cannot_be_printed_is_reported(self, history):
-        with open("/dev/full", "w") as full:
-            done = subprocess.run(
-                [*DAMAGE, "index", history, "--json"],
-                cwd=REPOSITORY,
-                stdout=full,
-                text=True,
-                stderr=subprocess.PIPE,
-            )
-        one_error(done, "what this prints cannot be written (No space left on device)")
-
     def test_a_run_whose_pictures_cannot_be_written_is_whole_and_says_so(self, tmp_path, capsys):
         (tmp_path / "run").write_text("no folder")  # where the pictures would go
         assert run_reference(f"{BRIEFLY} --out {tmp_path}/run.h5".split()) == 0

@@ -67,12 +67,6 @@ def shaken(yade_command, small_wall, tmp_path_factory):
     return read_history(out)
 
 
-def test_deformable_bricks_are_refused(yade_command, small_wall):
-    refused = yade_command(small_wall, "--bricks deformable --free-vibration", status=2)
-    assert "--bricks deformable: YADE moves rigid bodies" in refused.stderr
-    assert "use the reference solver: python3 -m damage reference" in refused.stderr
-
-
 class TestDamagedWall:
     def test_breaks_are_logged_with_stresses_that_exceed_the_strength(self, shaken):
         joint = load_wall(REPOSITORY / "walls/symmetric.py").joint

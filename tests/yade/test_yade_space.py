@@ -27,9 +27,16 @@ BRIEF = (*SHORT, "SHORTEST_S=0.1")
 
 
 def _check(yade_command, *words):
+    """{check: figures} of some of the checks of space.py."""
     script = REPOSITORY / "tests/yade/checks/space.py"
     done = yade_command("-n -x -j1", script, *words, status=0)
     return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def checked(yade_command):
+    """Those that take seconds, one after the other in one YADE."""
+    return _check(yade_command, "block box tilt dry ties masonries bonded")
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +71,7 @@ def test_a_house_of_one_wall_moves_as_the_wall(turned):
     )
 
 
-def test_a_wall_of_a_house_is_read_in_its_plane(turned, damage_command):
+def test_a_wall_of_a_house_is_read_in_its_plane(turned, output_of, error_of):
     house = turned["house"]
     part = read_history(house.path.with_name("house:tiny.h5"))
     assert part.wall == "tiny"
@@ -72,12 +79,9 @@ def test_a_wall_of_a_house_is_read_in_its_plane(turned, damage_command):
     for name in ("DI", "DI_drift"):
         assert_allclose(part.index()[name], house.index()[name], atol=1e-12)
     assert part.plan.n_bricks == len(part.bodies[part.bodies["course"] >= 0])
-    said = damage_command("index", part.path, status=0).stdout
-    assert "tiny / harmonic" in said
-    assert (
-        "no wall or face roof: expected one of tiny"
-        in damage_command("index", house.path.with_name("house:roof.h5"), status=2).stderr
-    )
+    assert "tiny / harmonic" in output_of("index", part.path)
+    said = error_of("index", house.path.with_name("house:roof.h5"))
+    assert "no wall or face roof: expected one of tiny" in said
 
 
 def test_bodies_stand_apart_in_space_by_what_their_joints_have_opened(turned):
@@ -104,17 +108,17 @@ def test_bodies_stand_apart_in_space_by_what_their_joints_have_opened(turned):
     assert at_rest < 0.05 * house.opening_m[sample].max()
 
 
-def test_a_dry_block_rocks_out_of_plane_in_housner_s_quarter_period(yade_command):
+def test_a_dry_block_rocks_out_of_plane_in_housner_s_quarter_period(checked):
     """Also where another solver takes over while contacts are out of reach: they close again."""
-    found = _check(yade_command, "block")
+    found = checked["block"]
     assert_allclose(found["quarter_s"], found["exact_s"], rtol=0.01)
     assert found["gap_m"] < 1e-5
     out_of_reach, left = found["gone"]
     assert out_of_reach and not left
 
 
-def test_a_box_with_floors_stays_symmetric_and_keeps_energy_and_momentum(yade_command):
-    found = _check(yade_command, "box")
+def test_a_box_with_floors_stays_symmetric_and_keeps_energy_and_momentum(checked):
+    found = checked["box"]
     assert found["largest_m"] > 1e-6
     assert found["asymmetry"] < 1e-6
     assert_allclose(found["balance"], 1, atol=0.01)
@@ -186,23 +190,23 @@ def test_a_house_with_corners_and_floors_continues_to_the_same_bits(yade_command
         whole.with_name("cut.h5").unlink()
 
 
-def test_a_house_turns_with_its_ground_without_strain(yade_command):
-    found = _check(yade_command, "tilt")
+def test_a_house_turns_with_its_ground_without_strain(checked):
+    found = checked["tilt"]
     assert found["moved"] < 1e-3
     assert found["opening"] < 1e-4
 
 
-def test_a_dry_house_that_slides_keeps_its_energy(yade_command):
+def test_a_dry_house_that_slides_keeps_its_energy(checked):
     """Also what YADE's own sum of the work of friction lacks."""
-    found = _check(yade_command, "dry")
+    found = checked["dry"]
     assert_allclose(found["balance"], 1, atol=0.005)
     assert found["friction"] > 0.5
     assert found["left_out"] > 0.05
 
 
-def test_ties_share_a_push_and_fail_at_their_strength_with_their_energy(yade_command):
+def test_ties_share_a_push_and_fail_at_their_strength_with_their_energy(checked):
     """Two blocks that slide and rock on their joints, springs joined by a third."""
-    found = _check(yade_command, "ties")
+    found = checked["ties"]
     for way in ("tension", "compression"):
         one = found[way]
         assert_allclose(one["share"], one["exact_share"], rtol=1e-4)
@@ -211,8 +215,8 @@ def test_ties_share_a_push_and_fail_at_their_strength_with_their_energy(yade_com
     assert_allclose(found["energies"], 1, atol=0.01)
 
 
-def test_each_wall_of_a_house_slides_by_its_own_friction(yade_command):
-    found = _check(yade_command, "masonries")
+def test_each_wall_of_a_house_slides_by_its_own_friction(checked):
+    found = checked["masonries"]
     resting, sliding = found["moved_mm"]
     assert abs(resting) < 0.1
     assert_allclose(sliding, found["exact_mm"], rtol=0.02)
@@ -234,7 +238,7 @@ def cavity(tmp_path):
     )
 
 
-def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path):
+def test_a_run_counts_the_ties_that_fail(yade_command, output_of, tmp_path):
     house = cavity(tmp_path)
     motion = "--harmonic 0.04 0.4 --cycles 1 --rest 0.01 --no-pictures"
     out = tmp_path / "cavity.h5"
@@ -243,13 +247,13 @@ def test_a_run_counts_the_ties_that_fail(yade_command, damage_command, tmp_path)
     assert history.house.failed_ties[0] == 0
     assert 0 < history.house.failed_ties[-1] <= 2
     assert energy_error(history.series) < 0.01
-    failed = json.loads(damage_command("index", out, "--json", status=0).stdout)["failed_ties"]
+    failed = json.loads(output_of("index", out, "--json"))["failed_ties"]
     assert failed == history.house.failed_ties[-1]
 
 
-def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(yade_command):
+def test_the_bond_of_a_toothed_front_that_fails_first_is_the_elastic_one(checked):
     """In the head joint at the middle of its top, where a plate on three sides bends most."""
-    found = _check(yade_command, "bonded")
+    found = checked["bonded"]
     one = found["yade"]
     other = found["elastic"]
     assert_allclose(one.pop("multiplier"), other.pop("multiplier"), rtol=0.03)
@@ -320,18 +324,11 @@ def test_a_push_on_a_slab_meets_the_elastic_stiffness_in_its_direction(yade_comm
     assert_allclose(history.series["top_force_n"].iloc[-1], found.sum() / moved, rtol=0.01)
 
 
-def test_what_runs_in_a_plane_alone_is_refused(yade_command, tmp_path):
-    said = yade_command(
-        REPOSITORY / "houses/box.toml", "--soil 3e7 --out", tmp_path / "a.h5", status=2
-    ).stderr
-    assert "house box with --soil" in said
-
-
 @pytest.mark.long
 def test_a_dry_front_between_toothed_walls_falls_at_the_multiplier_by_hand(yade_command):
     """The front of 10 bricks and the 8 of both wedges at 45 degrees turn about its outer edge and
     open all joints to the rest: no friction; sum m y / sum m z = 0.463."""
-    found = _check(yade_command, "corner", 0.45, 0.48)
+    found = _check(yade_command, "corner", 0.45, 0.48)["corner"]
     assert found["0.45"]["speed_mm_s"] < 0.1
     assert found["0.45"]["moved"] == 0
     assert found["0.48"]["speed_mm_s"] > 5
@@ -343,7 +340,7 @@ def test_a_dry_front_between_toothed_walls_falls_at_the_multiplier_by_hand(yade_
 def test_a_strip_between_floors_folds_out_of_plane_as_the_plane_model(yade_command, strength):
     """Three hinges, at both ends and at the seventh of twelve courses: 0.971 by virtual work; bonds
     fail before."""
-    found = _check(yade_command, "strip", strength, 0.94, 1.0)
+    found = _check(yade_command, "strip", strength, 0.94, 1.0)["strip"]
     for solver in ("yade", "plane"):
         assert abs(found[f"{solver} 0.94"]["speed_mm_s"]) < 0.1
         assert found[f"{solver} 1"]["speed_mm_s"] < -1
@@ -357,7 +354,7 @@ def test_a_strip_between_floors_folds_out_of_plane_as_the_plane_model(yade_comma
 
 @pytest.mark.long
 def test_each_wall_of_a_box_with_windows_has_its_index_and_pictures(
-    yade_command, damage_command, tmp_path
+    yade_command, output_of, error_of, tmp_path
 ):
     out = tmp_path / "box.h5"
     words = ("--harmonic 0.1 0.5 --cycles 1 --rest 0.02 --out", out)
@@ -367,7 +364,7 @@ def test_each_wall_of_a_box_with_windows_has_its_index_and_pictures(
     assert energy_error(history.series) < 0.01
     assert sum(len(part.joints) for part in history.parts) < len(history.joints)
     assert (tmp_path / "box" / "space_max.png").is_file()
-    found = json.loads(damage_command("index", out, "--json", status=0).stdout)
+    found = json.loads(output_of("index", out, "--json"))
     assert list(found["walls"]) == ["front", "left", "right", "back"]
     assert len(found["corners"]) == 4
-    assert "has an index of each wall" in damage_command("compare", out, out, status=2).stderr
+    assert "has an index of each wall" in error_of("compare", out, out)

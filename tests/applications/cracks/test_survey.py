@@ -146,19 +146,6 @@ def test_new_columns_are_read_and_written_back(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text",
-    [
-        "crack;point;x_m;z_m;width_mm;;\nA;1;0;0,15;0,4;;\nA;2;0,45;0,15;;;\n",
-        'crack,point,x_m,z_m,width_mm\nA,1,0,"0,15","0,4"\nA,2,"0,45","0,15",\n',
-        "crack\tpoint\tx_m\tz_m\twidth_mm\nA\t1\t0\t0.15\t0.4\nA\t2\t0.45\t0.15\t\n",
-    ],
-)
-def test_spreadsheets_of_other_countries_are_read(tmp_path, text):
-    found = read_survey(written(tmp_path / "survey.csv", text), LAYOUT).as_dict()
-    assert (found["crack_length_m"], found["max_width_mm"]) == pytest.approx((0.45, 0.4))
-
-
-@pytest.mark.parametrize(
     "text, said",
     [
         (

@@ -34,7 +34,6 @@ from damage.applications.groningen.life.results import (
     over_time,
     write_study,
 )
-from damage.applications.studies import folder as batch_folder
 from damage.applications.studies.definition import load_study
 from damage.measure.cycles import shocks_table
 from damage.motion import columns
@@ -263,16 +262,6 @@ class TestStudy:
         assert [one.life["largest_alone"] for one in settings] == [False, False, True, True]
         assert settings[0].settlement.name.startswith("tilt") and settings[1].life["number"] == 49
         assert len(settings[2].events) == 1 and settings[0].life["strong"] == [0.05, 0.1]
-
-    def test_a_second_command_is_refused_before_it_writes_anything(
-        self, tmp_path, error_of, monkeypatch
-    ):
-        monkeypatch.setattr(batch_folder, "LOCK_PATIENCE_S", 0.0)
-        with batch_folder.held(tmp_path / "out", "lives"):
-            assert "another batch is at work" in error_of(
-                "life", "symmetric", "--at", "53.36786", "6.71359", "--out", tmp_path / "out"
-            )
-        assert list((tmp_path / "out").iterdir()) == []
 
 
 class TestEstimate:

@@ -1,4 +1,6 @@
-"""Houses in YADE beside what is known by hand; the last line printed is JSON.
+"""Houses in YADE beside what is known by hand; the last line printed is JSON, {check: figures}.
+
+yade tests/yade/checks/space.py block box ...      several of them, of those without numbers
 
 yade tests/yade/checks/space.py block              a dry block rocks about an edge of its face
 yade tests/yade/checks/space.py box                four walls stay symmetric
@@ -510,6 +512,8 @@ CHECKS = {
     "ties": ties,
     "tilt": tilt,
 }
-print(json.dumps(CHECKS[sys.argv[1]](*map(float, sys.argv[2:]))))
+names = [word for word in sys.argv[1:] if word in CHECKS]
+numbers = map(float, sys.argv[1 + len(names) :])
+print(json.dumps({name: CHECKS[name](*numbers) for name in names}))
 sys.stdout.flush()
 os._exit(0)
