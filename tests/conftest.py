@@ -362,7 +362,7 @@ def wait_until(condition, at_most_s=300):
     until = time.monotonic() + at_most_s
     while not condition():
         assert time.monotonic() < until, "waited in vain"
-        time.sleep(0.005)
+        time.sleep(0.1)
 
 
 def is_running(pid):

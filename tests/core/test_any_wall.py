@@ -77,7 +77,7 @@ def laid_out(table, **options):
 
 
 any_legal_wall = settings(
-    max_examples=60,
+    max_examples=30,
     deadline=None,
     derandomize=True,
     database=None,

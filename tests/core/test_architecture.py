@@ -143,20 +143,6 @@ def test_imports_follow_the_order_of_rooms_and_no_circle():
     assert faults(MODULES) == []
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "    from damage.draw.run import plot_wall",
-        "    import damage.draw.run",
-        "    importlib.import_module('damage.draw.run')",
-    ],
-)
-def test_an_import_in_a_function_and_one_by_name_count(line, monkeypatch):
-    source = f"def plot():\n{line}\n"
-    monkeypatch.setitem(_imports.__globals__, "_source", lambda name: source)
-    assert set(_imports("damage.history.reader", {"damage.draw.run"}, {})) == {"damage.draw.run"}
-
-
 def test_every_folder_with_python_has_its_room():
     done = run_command("git", "ls-files", "-co", "--exclude-standard", "*.py", check=True)
     folders = {line.split("/")[0] for line in done.stdout.split() if "/" in line}

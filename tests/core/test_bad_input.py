@@ -45,7 +45,6 @@ WALLS = {
     "Wall('w', 2.0, 1.0, joint=Joint(tensile_strength=0.1))": r"0\.1 MPa is 0\.1e6 Pa",
     "Wall('w', 2.0, 1.0, joint=Joint(friction_angle=32))": "radians",
     "Wall('w', 2.0, -1.0)": r"line \d+: Wall\.height = -1\.0: expected",
-    "Wall('w', 1e9, 1e9)": r"Wall\.length = 1000000000\.0",
     "Wall('w/\\n', 2.0, 1.0)": r"line \d+: Wall\.name = ",
     "Wall('w' * 200, 2.0, 1.0)": "expected up to 100 letters",
     "Wall('w', 2.0, 1.0, openings=3)": r"line \d+: Wall\.openings has 3",
@@ -109,20 +108,17 @@ OPTIONS = {
     "--record no_such_file.csv": "no_such_file.csv",
     "--record BGAR_HGE --window 6 5": "expected 0 <= start < end",
     "--record BGAR_HGE --scale 1000": "base motion of up to .* up to 100 g",
-    "--dt -1e-5": "--dt .s. = -1e-05: expected a number from 1e-09",
     "--dt 1e-9": r"in 3.1e\+09 steps .* up to 1e\+08 steps",
     "--dt 4.6e-5": "above the stable time step",
     "--harmonic 0.2 49": "PGA of the base motion = 49 g.*--accept-implausible",
     "--harmonic 0.2 1 --sequence 1,-1000": r"base motion of up to 1e\+03 g",
     "--harmonic 0.2 0.05 --free-vibration": "choose one",
-    "--harmonic 0.2 0.05 --cycles 0": "cycle",
     "--scale 2": "--scale",
     "--cyclic 0.1;0.2": "commas",
     "--cyclic " + ",".join(2000 * ["0.1"]): "2000 drifts",
     "--cyclic 20 --cycles 1000 --speed 0.001": "a push of .* up to 2000 s",
     "--boundary fixed": "--boundary",
     "--lintel granite": "granite",
-    "--lintel -1": "how many courses stay elastic, 0 to 20000",
     "--bricks deformable --new-contacts": "loose bricks collide as rigid ones",
     "--after-fall": "--after-fall without --new-contacts: .*give both",
     "--settle hoging": "expected one of hogging, sagging, tilt, knick, or a CSV file",
@@ -140,7 +136,6 @@ OPTIONS = {
     "--tolerance-mm 10": "--tolerance-mm belongs to --cracked",
     "--unit g": "--unit belongs to --record",
     "--free-vibration --sequence 1,1": "--sequence belongs to",
-    "--rest 1e12": "0 to 2000",
 }
 
 
@@ -467,7 +462,6 @@ MISTAKES = [
     ("outline", "[[0, 2.7], [2.2, 4.2]]", "the last at x = 4.4 m"),
     ("outline", "[[0, 2.7], [3.2, 4.2], [2.2, 3], [4.4, 2.7]]", "from left to right"),
     ("height", "3.9", "Wall.height = 3.9 m at the highest point"),
-    ("outline", "[[0, 2700], [2.2, 4200], [4.4, 2700]]", "expected a number from -1000 to 1000"),
     ("outline", "[2.7, 4.2, 2.7]", r"expected points \(x, z\)"),
     ("outline", "[[0, -1], [2.2, 4.2], [4.4, 2.7]]", "expected 0 or more"),
     ("precompression", "0.1e6", "masses by Wall.floors"),
@@ -497,8 +491,6 @@ MISTAKES = [
     ("+", "[floors]\nlevel = 2.7\nmass = 100", "double the brackets"),
     ("length", '"4.4 m"', "Wall.length = '4.4 m': expected a number"),
     ("lintel", "{ hight = 0.2 }", "did you mean height"),
-    ("masonry", '{ material = "mud", format = "waalformaat" }', "material 'mud': expected one of"),
-    ("masonry", '{ material = "clay", format = "waalformat" }', "did you mean waalformaat"),
     (
         "masonry",
         '{ material = "clay-weak", format = "rijnvorm", cohesoin = 1 }',
@@ -536,7 +528,7 @@ def house(folder, key="+", value=""):
     )
 
 
-@pytest.mark.parametrize("key, value, message", MISTAKES, ids=str)
+@pytest.mark.parametrize("key, value, message", MISTAKES, ids=lambda one: str(one)[:40])
 def test_a_mistake_in_a_wall_as_data(key, value, message, tmp_path):
     assert load_wall(house(tmp_path)).name == "house"
     assert "expected" in refused_with(message, load_wall, house(tmp_path, key, value))

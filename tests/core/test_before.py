@@ -171,13 +171,3 @@ def test_bonds_that_a_survey_took_have_not_failed(tmp_path):
     assert not any("failed under gravity" in warning for warning in summary["warnings"])
     failed = history.broken[-1] & ~freed
     assert summary["tension_breaks"] + summary["shear_breaks"] == failed.sum() > 0
-
-
-def test_cracks_beside_the_wall_are_one_line(tmp_path, error_of):
-    path = written(tmp_path / "cracks.csv", CRACK.replace("0.3,1", "30.0,1"))
-    words = ["reference", "walls/variants/small.py", "--cracked", path, "--out", tmp_path / "a.h5"]
-    assert "100 % of the cracks' length" in error_of(*words)
-    assert "0.00 of 0.34 m of its cracks run along joints" in error_of(
-        *words, "--accept-implausible"
-    )
-    assert not (tmp_path / "a.h5").exists()

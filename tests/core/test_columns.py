@@ -40,12 +40,6 @@ def test_a_measure_gives_its_values_by_name():
         measure(TWO)(lambda history: (1.0, 2.0, 3.0))(None)
 
 
-def test_a_point_begins_with_what_its_runs_share(still_history):
-    runs = pd.DataFrame([summary_row(still_history)])
-    shared = list(each(columns.PARAMETERS))
-    assert list(points_of(runs).columns)[: len(shared)] == shared
-
-
 def test_a_point_has_the_range_of_what_its_runs_do_not_share(still_history):
     """Motions of lives differ so, whose first one the row had."""
     row = summary_row(still_history)

@@ -23,8 +23,6 @@ from damage.applications.cracks.patterns import (
     places_of,
 )
 from damage.applications.report.animation import choose_snapshots, write_film
-from damage.draw.preview import modes_picture
-from damage.linear.modes import natural_modes
 from damage.wall.layout import lay_out
 
 N = 1200
@@ -165,13 +163,6 @@ def test_agreement_of_joints(tmp_path):
     assert set(agreement) == set(JOINTS)
     figure = compare_picture(first, second)
     assert len(figure.axes) == 2
-
-
-def test_every_mode_is_drawn_with_its_period():
-    layout = small_layout()
-    modes = natural_modes(layout, 4)
-    titles = [ax.get_title() for ax in modes_picture(layout, modes).axes]
-    assert titles == [f"mode {k + 1}: {period:.4f} s" for k, period in enumerate(modes.period_s)]
 
 
 def test_commands_write_the_pictures(tmp_path, output_of):

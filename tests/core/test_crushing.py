@@ -179,12 +179,6 @@ def test_a_softening_wall_gets_a_little_damping():
     assert parsed("--beta 0").for_joint(SOFT).beta_s == 0.0
 
 
-def test_none_and_zero_are_brittle():
-    none = Joint(mode_i_fracture_energy=0.0, mode_ii_fracture_energy=0)
-    assert not Joint().softens and not none.softens
-    assert Joint(**softening_energies(0.2e6)).softens
-
-
 def test_it_is_another_draw_than_that_of_the_walls_own_scatter():
     wall = Wall("w", 2.0, 1.5)
     both = lay_out(

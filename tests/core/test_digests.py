@@ -6,7 +6,7 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import REPOSITORY, written
+from conftest import REPOSITORY
 
 from damage.provenance import (
     HERE,
@@ -14,7 +14,6 @@ from damage.provenance import (
     UNKNOWN,
     code_of,
     commit,
-    file_origin,
     measures_digest,
     model_digest,
 )
@@ -60,14 +59,6 @@ def test_the_commit_is_that_of_the_package_and_says_whether_files_differ(tmp_pat
     assert (tmp_path / ".git" / "index").read_bytes() == index
     (package / "__init__.py").write_text("x = 1\n")
     assert commit.__wrapped__() == f"{clean} changed"
-
-
-def test_a_file_that_is_not_there_has_no_checksum(tmp_path):
-    assert file_origin(written(tmp_path / "wall.py", "words")) == {
-        "file": "wall.py",
-        "sha256": "dba36bffa5cab0f922d087a3aeb179f9d4e745df40b323e1b1471402848c8a3e",
-    }
-    assert file_origin(tmp_path / "none.py") == {"file": "none.py", "sha256": UNKNOWN}
 
 
 SOLVERS = {"reference": REPOSITORY / "damage" / "reference", "yade": REPOSITORY / "yade_scripts"}

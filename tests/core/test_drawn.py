@@ -9,8 +9,6 @@ from short_runs import HOUSE, SMALL
 
 from damage import Brick, Joint, Wall, run
 from damage.house.drawn import INPUTS, Range, drawn, ranges
-from damage.linear.modes import natural_modes
-from damage.wall.layout import lay_out
 from damage.wall.restraints import Restraint
 
 KNOWLEDGE = "tested", "typical"
@@ -67,17 +65,6 @@ def test_each_input_scales_its_values_alone():
     rough = drawn(wall, {"friction": Range(None, 2.0, 2.0)}, 1).joint
     assert math.tan(rough.friction_angle) * rough.tensile_strength == approx(rough.cohesion)
     assert drawn(HOUSE, ranges("typical"), 2).floors[0].mass != HOUSE.floors[0].mass
-
-
-def test_the_period_follows_density_over_stiffness():
-    free = Wall("free", 0.9, 0.6, precompression=0.0)
-    of = {name: ranges("typical")[name] for name in ("density", "stiffness")}
-    wall = drawn(free, of, 5)
-    density = wall.brick.density / free.brick.density
-    stiffness = wall.joint.normal_stiffness / free.joint.normal_stiffness
-    assert abs(stiffness - 1) > 0.05
-    periods = [natural_modes(lay_out(one)).period_s[0] for one in (free, wall)]
-    assert periods[1] / periods[0] == approx(math.sqrt(density / stiffness), rel=1e-6)
 
 
 def test_a_run_has_the_wall_that_its_seed_draws():

@@ -240,14 +240,6 @@ class TestToBits:
             value,
         ]
 
-    def test_halves_go_to_the_even_one(self):
-        one = 2.0**-25  # between neighbours from 1 to 2
-        assert to_bits(np.array([1 + one / 2, 1 + 3 * one / 2, 2 - one / 2])).tolist() == [
-            1.0,
-            1 + 2 * one,
-            2.0,
-        ]
-
 
 class TestToGrid:
     @pytest.mark.parametrize("step", [ACCELERATION, DISPLACEMENT])
@@ -327,18 +319,6 @@ def test_known_bits_of_the_wedges_and_the_tail():
         17077: "0x1.e94b36300e4f5p+1",
     }
     assert float(np.cumsum(drawn)[-1]).hex() == "0x1.7683dbfbb090ap+6"
-
-
-def test_parts_are_the_whole():
-    whole = Draws(5)
-    parts = Draws(5)
-    assert np.array_equal(
-        whole.normal(9000), np.concatenate([parts.normal(n) for n in (1, 2, 97, 900, 8000)])
-    )
-    assert np.array_equal(
-        whole.below(5, 100), np.concatenate([parts.below(5, n) for n in (1, 2, 0, 97)])
-    )
-    assert np.array_equal(whole.uniform(10), parts.uniform(10))
 
 
 def test_scattered_strengths_have_known_bits(monkeypatch):

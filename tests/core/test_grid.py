@@ -267,8 +267,18 @@ def in_order(*last_key_first):
     return np.lexsort([np.round(values, 7) for values in last_key_first])
 
 
-@pytest.mark.parametrize("name", GRID)
-def test_mirror_momentum_energy_and_width(name):
+def cases():
+    """Names of the grid, and whether a wall is run beside another, too: of strain modes by the
+    longer checks alone, as code of eight walls with them takes a minute to compile."""
+    for name, case in GRID.items():
+        deforms = case.options.get("bricks") == "deformable"
+        yield name, not deforms
+        if deforms:
+            yield pytest.param(name, True, marks=pytest.mark.long)
+
+
+@pytest.mark.parametrize(("name", "wide"), cases())
+def test_mirror_momentum_energy_and_width(name, wide):
     """Found: 2e-12 of the largest displacement while all are intact, 1e-10 afterwards, 5e-4 between
     new contacts, whose rectangles tumble; 2e-9 of the forces where these are read, 1e-2 where they
     are interpolated while joints fail, 3e-2 where an impact makes interpolation uncertain by as
@@ -279,12 +289,13 @@ def test_mirror_momentum_energy_and_width(name):
     wall, mirror = case.walls()
     runs = [Run(case, wall), Run(case, mirror, -1)]
     other = replace(wall, joint=replace(wall.joint, **case.beside))
-    batch = [Run(case, other, level=0.5).solver, Run(case, wall).solver]
+    batch = [Run(case, other, level=0.5).solver, Run(case, wall).solver] if wide else []
     solver = runs[0].solver
     began = total_energy(solver)
     largest = 0.0
     for _ in range(STRETCHES):
-        run_together(batch, runs[0].stretch - sum(LAST), *LAST)
+        if wide:
+            run_together(batch, runs[0].stretch - sum(LAST), *LAST)
         for run in runs:
             read, across, unsure = run.advance()
             assert read.max() < 1e-8
@@ -296,7 +307,7 @@ def test_mirror_momentum_energy_and_width(name):
             <= (case.afterwards if failed else 1e-10) * np.abs(here).max()
         )
         assert np.array_equal(state, image)
-        assert everything(solver) == everything(batch[1])
+        assert not wide or everything(solver) == everything(batch[1])
         largest = max(largest, solver.kinetic_energy() + abs(solver.energy[INPUT]))
         reached |= np.bitwise_or.reduce(state)
     assert reached & case.happens

@@ -147,6 +147,7 @@ def test_other_programs_agree_on_a_wall_with_a_door():
     assert_allclose(found["compas_cra"], result.bound.multiplier, rtol=1e-6)
 
 
+@pytest.mark.long
 def test_the_command_writes_its_table_and_pictures(tmp_path):
     words = f"--only benchmark --tolerance 0.05 --markdown {tmp_path}/a.md --pictures {tmp_path}/p"
     assert main(words.split()) == 0

@@ -148,12 +148,6 @@ class TestRecorded:
     def test_vertical_must_be_simultaneous(self, vertical):
         refused_with("on_axis_of", Recorded, noise(), vertical=vertical)
 
-    def test_names(self, bgar):
-        assert Recorded(bgar, window_s=(17, 23)).name == "BGAR_HGE_x1_17-23s"
-        assert Recorded(bgar, 1.4).name == "BGAR_HGE_x1.4"
-        odd = Recorded(noise("../a b"), baseline_order=0, band_hz=(0.1, 40), vertical=noise())
-        assert odd.name == ".._a_b_x1_vertical_baseline0_0.1-40Hz"
-
     def test_description_identifies_the_file(self, bgar):
         load = Recorded(bgar, 1.5, (17, 23), baseline_order=1, band_hz=(0.1, 40))
         found = json.loads(json.dumps(load.as_dict()))

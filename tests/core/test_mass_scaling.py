@@ -103,6 +103,21 @@ def in_plain_python():
             solves_as_scipy_does(lay_out(SOFT, model), held)
     wall = Wall("w", 0.45, 0.3, joint=SOFT.joint)
     keeps_its_energy(lay_out(wall, deformable), 3, 7)
+    for model in (ModelOptions(), deformable):
+        for scaled in (slice(None), None):
+            is_as_among_two(lay_out(replace(wall, height=0.15), model), scaled)
+
+
+def is_as_among_two(layout, scaled):
+    """A wall has the same bits alone and beside another; scaled: as of a ReferenceWall."""
+    alone, first, second = (ReferenceWall(layout, 1e-5, scaled=scaled) for _ in range(3))
+    for wall, peak in ((alone, 1e3), (first, 1e3), (second, 2e3)):
+        wall.start(np.column_stack([np.full(20, peak), np.zeros(20)]))
+    alone.run(8)
+    run_together([first, second], 8)
+    for name in ("place", "velocity", "force", "states"):
+        one, other = (getattr(wall.system, name).tolist() for wall in (alone, first))
+        assert one == other, name
 
 
 def test_a_step_solves_with_the_matrix_as_scipy_does(layout):
@@ -201,6 +216,7 @@ class TestLintels:
         assert found == approx(expected, rel=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "inputs, lintel", [("given", None), ("typical", None), ("given", "timber")]
 )
@@ -313,11 +329,10 @@ class TestAcceptance:
     def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
         monkeypatch.setattr(scheme, "ACCEPTED_ERROR", 0.0)
         explicit = run(SOFT, **SHAKEN, mass_scaling="none")
-        for out in ({}, {"out": str(tmp_path / "run.h5")}):
-            found = run(SOFT, **SHAKEN, mass_scaling="selective", **out)
-            assert found.parameters["repeats"] == 3 and found.parameters["repeated_for"] == "energy"
-            assert found.parameters["mass_scaling"] == "none" and found.complete
-            assert found.series.equals(explicit.series)
+        found = run(SOFT, **SHAKEN, mass_scaling="selective", out=str(tmp_path / "run.h5"))
+        assert found.parameters["repeats"] == 3 and found.parameters["repeated_for"] == "energy"
+        assert found.parameters["mass_scaling"] == "none" and found.complete
+        assert found.series.equals(explicit.series)
 
     @pytest.mark.parametrize("repeats, then", [(1, "selective"), (2, "none")])
     def test_half_the_step_comes_first_then_large_explicit_ones(self, monkeypatch, repeats, then):

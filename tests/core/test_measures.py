@@ -167,25 +167,6 @@ def test_limits_rise_and_part_the_classes(limits):
     assert limits.source
 
 
-def test_summary_row_holds_every_measure(harmonic):
-    history = harmonic(softening(0.25), opening={3: 0.4e-3})
-    row = summary_row(history)
-    assert summarise(history)["psi_class"] == "visible"
-    assert row["max_psi"] == approx(2 * 0.4**0.3, rel=1e-3)
-    assert row["residual_crack_width_mm"] == approx(0.4, rel=1e-3)
-    for name in (
-        "last_cycle_s",
-        "first_free_cycle_s",
-        "period_elongation",
-        "dissipated_energy_j",
-        "damping_energy_j",
-        "max_crack_width_mm",
-        "residual_psi",
-        *(one.name for one in LIMITS),
-    ):
-        assert name in row
-
-
 WRITTEN = {
     "pgv_m_s": 0.02,
     "pgv_rotd100_m_s": 0.03,

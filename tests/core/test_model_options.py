@@ -16,7 +16,6 @@ from damage.run.options import parse_run, settings_of, words_of
 from damage.run.paths import free_name
 from damage.run.settings import RunSettings
 from damage.wall.model_options import USUAL_MODEL, ModelOptions
-from paper.evidence import SHAPE
 from paper.study_figures import choice
 
 
@@ -42,26 +41,6 @@ def test_a_free_name_tells_what_is_not_the_default(tmp_path, options, name):
     assert free_name(Wall("w", 1.0, 1.0), settings, "yade", tmp_path).name == name.replace(
         ".h5", "_2.h5"
     )
-
-
-def test_figures_and_evidence_know_every_choice():
-    assert {
-        "cells",
-        "contacts",
-        "top",
-        "load",
-        "strength_cov",
-        "bricks",
-        "brick_damping",
-        "supports",
-        "soil",
-        "soil_shear",
-        "footing",
-        "soil_velocity",
-        "inputs",
-    } == USUAL_MODEL.keys() & SHAPE.keys()
-    assert choice({**USUAL_MODEL, "cycles": 3}) == "default"
-    assert choice({**USUAL_MODEL, "strength_cov": 0.3}) == "strength_cov 0.3"
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from damage import Joint, ModelOptions, Wall
 from damage.applications.cracks.capacity import drift_at_first_crack
 from damage.applications.cracks.patterns import cracked
 from damage.law.joint_law import ContactState, LawParameters, advance, material_of
-from damage.measure.cracks import psi_summary, psi_value
+from damage.measure.cracks import psi_value
 from damage.measure.summary import summarise
 from damage.measure.tables import index_table, summary_row
 from damage.reference.solver import ReferenceSolver
@@ -177,12 +177,3 @@ def test_each_measure_says_which_slip_it_shows(rattled):
     assert table["accumulated_DI_slip"].iloc[-1] == approx(share[3])
     assert table["DI_slip"].iloc[-1] == approx(share[5]) and set(table["slip"]) == {"displacement"}
     assert drift_at_first_crack(history) == approx(7e-4)  # 0.105 mm
-
-
-def test_psi_below_one_and_its_option(rattled, output_of):
-    """A crack of 0.05 mm is none to the eye: 2 x 0.05^0.3 = 0.81."""
-    history = rattled(slip={}, offset={5: 0.5e-4})
-    assert psi_summary(history)["max_psi"] == approx(2 * 0.05**0.3, rel=1e-6)
-    for command in ("index", "cracks"):
-        assert "0.81" in output_of(command, history.path)
-        assert "0.81" not in output_of(command, history.path, "--psi-from-mm", "0.1")

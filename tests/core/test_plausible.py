@@ -5,15 +5,13 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY, one_line_error, parsed, wall_file, written
+from conftest import REPOSITORY, one_line_error, parsed, wall_file
 
 from damage import Brick, Floor, Joint, Lintel, Opening, Wall, load_wall
-from damage.__main__ import main
 from damage.applications.cracks.plausible import implausible_places
 from damage.house.house import Diaphragm, House, Placed
 from damage.house.plausible import PER_LENGTH, RANGES, implausible
 from damage.house.ties import Ties
-from damage.motion.formats import shipped_record_path
 
 SOFTENING = Joint(
     mode_i_fracture_energy=12.0, mode_ii_fracture_energy=120.0, compressive_strength=5e6
@@ -147,21 +145,6 @@ def test_modes_refuses_a_wall_unless_it_is_accepted(tmp_path, error_of, output_o
     path = wall_file(tmp_path / "wall.py", wall)
     assert "0.15 MPa is 0.15e6" in error_of("modes", path)
     assert "mode 1" in output_of("modes", path, "--accept-implausible")
-
-
-def test_a_record_in_gal_is_warned_of(tmp_path, capsys):
-    rows = shipped_record_path().read_text().splitlines()
-    in_gal = [
-        f"{time},{100 * float(value)}"
-        for time, value in (row.split(",") for row in rows if not row.startswith(("#", "time")))
-    ]
-    path = written(tmp_path / "gal.csv", "\n".join(["time_s,acc_m_s2", *in_gal]))
-    assert main(["record", str(path)]) == 0
-    assert "cm/s2 (gal) where m/s2 is expected" in capsys.readouterr().err
-    assert main(["record", "BGAR_HGE", "--scale", "250"]) == 0
-    assert (
-        "warning: --scale = 250, expected 0.01 to 100: 250 % is 250e-2\n" in capsys.readouterr().err
-    )
 
 
 def test_the_component_across_is_held_to_the_same_ranges():

@@ -76,7 +76,12 @@ class TestStrip:
         return force / moved, force / slope * moved
 
     @pytest.mark.parametrize(
-        ("rotation", "load"), [("fixed", 38e3), ("fixed", 150e3), ("free", 38e3)]
+        ("rotation", "load"),
+        [
+            ("fixed", 38e3),
+            pytest.param("fixed", 150e3, marks=pytest.mark.long),
+            ("free", 38e3),
+        ],
     )
     def test_mechanism_load_and_displacement_capacity_follow_the_closed_form(self, rotation, load):
         layout = strip(load=load, restraint=Restraint("top", rotation))

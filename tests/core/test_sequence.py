@@ -9,7 +9,6 @@ from conftest import one_line_error, parsed, run_here, written
 from numpy.testing import assert_allclose, assert_array_equal
 from pytest import approx
 
-from damage import History
 from damage.draw.run import sequence_picture
 from damage.draw.words import run_title
 from damage.measure.cycles import shocks_table
@@ -164,12 +163,6 @@ class TestSchedule:
             "w_sequence-of-3_BGAR_HGE_x1"
         )
         assert "3 events of 3 records" in sequence_lines(asked)[0]
-
-
-def test_the_factor_on_the_strongest_motion_is_not_that_of_one_of_the_same_name():
-    weak, strong = (SimpleNamespace(name="rec_x1", peak_g=peak_g) for peak_g in (0.01, 0.3))
-    history = SimpleNamespace(sequence=[10, 1], event_loadings=[weak, strong], loading=strong)
-    assert History.strongest_factor.fget(history) == 1
 
 
 def test_a_row_an_event(tmp_path):

@@ -1,8 +1,6 @@
 """Runs that advance together write the same histories as alone, whatever the others do."""
 
 from dataclasses import replace
-from types import SimpleNamespace
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ from conftest import TINY, contents, wall_file, without_progress
 
 from damage import read_history
 from damage.mechanics.tables import HAS_FAILED
-from damage.memory import USUAL_CACHE, cache_bytes
 from damage.reference import ensembles, lanes, rest_cache, session
 from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_reference, run_references
@@ -81,59 +78,6 @@ def test_every_member_writes_the_same_bits_as_alone(tiny, alone, tmp_path, moved
     assert len({history.series["time_s"].iloc[-1] for history in histories.values()}) >= 3
     for seen in (shares["m1"], shares["m2"]):
         assert seen == sorted(seen) and seen[0] < 0.1 and seen[-1] == 1.0 and len(seen) > 5
-
-
-def test_those_that_react_to_each_sample_go_first_and_alone_if_they_are_few():
-    # which have a hash
-    walls = [mock.Mock(**{"layout.strain": None, "taken": 0}) for _ in range(8)]
-
-    def chosen(*reacting):
-        asked = {wall: [70, 70] for wall in walls} | {
-            wall: [steps] for wall, steps in zip(walls, reacting)
-        }
-        groups = ensembles._chosen(asked)
-        return [{walls.index(wall): steps for wall, steps in group.items()} for group in groups]
-
-    assert chosen() == [{k: [70, 70] for k in range(8)}]
-    assert chosen(70, 70) == [{0: [70]}, {1: [70]}]
-    # eight lanes take no longer for eight walls than for five
-    assert chosen(*[70] * 5) == [{k: [70] if k < 5 else [70, 70] for k in range(8)}]
-    assert chosen(*range(66, 71)) == [{k: [66 + k]} for k in range(5)]
-    for wall, taken in zip(walls, range(8)):
-        wall.taken = taken
-    assert chosen(*range(66, 71)) == [{k: [66 + k] if k < 5 else [70, 70] for k in range(8)}]
-
-
-@pytest.mark.parametrize("width", [1, 8])
-def test_the_memory_of_a_batch_is_that_of_the_interfaces_that_failed_in_any_wall(width):
-    """Memory of walls by themselves, and in a batch."""
-
-    def wall(*failed):
-        limits = np.zeros((20, 3))
-        limits[list(failed), HAS_FAILED] = 1.0
-        sizes = {"strengths": 80, "states": 170, "bodies": 1, "inertia": 1, "limits": 2, "last": 1}
-        tables = {name: np.zeros((size, 1, width)) for name, size in sizes.items()}
-        lanes = SimpleNamespace(tables=SimpleNamespace(bench=np.zeros((1, 1, width)), **tables))
-        layout = SimpleNamespace(strain=None)
-        return mock.Mock(system=SimpleNamespace(limits=limits), lanes=lanes, layout=layout)
-
-    of_points = 8 * 8 * 250
-    of_others = 8 * 8 * 5
-    for walls, share in (
-        ([wall(), wall()], 0.0),
-        ([wall(0, 1, 2), wall(2, 3)], 0.2),
-        ([wall(*range(20))], 1.0),
-    ):
-        assert not ensembles.exceeds(walls, share * of_points + of_others + 1)
-        assert ensembles.exceeds(walls, share * of_points + of_others - 1)
-
-
-def test_processes_share_the_cache_of_the_cores_that_they_run_on(tmp_path):
-    (tmp_path / "size").write_text("32768K\n")
-    (tmp_path / "shared_cpu_map").write_text("1,000000ff\n")
-    assert [cache_bytes(n, tmp_path) for n in (1, 4, 20)] == [2**25, 2**23, 2**25 // 9]
-    (tmp_path / "size").write_text("unknown")
-    assert cache_bytes(2, tmp_path) == cache_bytes(1, tmp_path / "none") == USUAL_CACHE
 
 
 def test_walls_that_the_cache_can_no_longer_hold_together_go_on_one_by_one(

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 
-import numpy as np
 import pytest
 from conftest import REPOSITORY, written
 from numpy.testing import assert_allclose
@@ -138,13 +137,6 @@ class TestData:
         ):
             with pytest.raises(jsonschema.ValidationError):
                 jsonschema.validate(table | wrong, wall_schema())
-
-    def test_a_run_of_a_python_wall_and_of_data_are_the_same(self, house):
-        one = lay_out(HOUSE)
-        other = lay_out(load_wall(house))
-        assert np.array_equal(one.contacts.x, other.contacts.x) and np.array_equal(
-            one.bodies.mass, other.bodies.mass
-        )
 
 
 class TestMaterials:

@@ -151,7 +151,7 @@ def as_bytes(parts):
 # --- the same bits in both widths -----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["brittle", pytest.param("deformable", marks=pytest.mark.long)])
 def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
     """Each member has strengths, a time step, damping and a motion of its own; ten are more than
     one batch.  Laws, bricks and springs that differ: `test_grid.py`."""
@@ -173,6 +173,7 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
     assert (failed.any(axis=0) & ~failed.all(axis=0)).any()  # in some of the walls
 
 
+@pytest.mark.long
 def test_joints_of_deformable_bricks_end_each_by_itself():
     """Of dry pairs, each pushed at a speed of its own."""
     joint = Joint(tensile_strength=0.0, cohesion=0.0)
@@ -191,18 +192,6 @@ def test_joints_of_deformable_bricks_end_each_by_itself():
             assert everything(one) == everything(other)
     ends = [one.system.limits[-1, HAS_FAILED] for one in together]
     assert ends == [ENDED, FAILED, ENDED]
-
-
-@pytest.mark.parametrize(
-    ("table", "field"), [("contacts", "offset"), ("interfaces", "ax"), ("contacts", "area")]
-)
-def test_walls_whose_pairs_are_alike_and_contacts_are_not_are_reported(table, field):
-    """Columns that a batch takes from its first wall are equal in all walls."""
-    one = make("brittle")
-    other = make("brittle")
-    getattr(other.system, table)[field][0] *= 1.5
-    with pytest.raises(ValueError, match="other bricks"):
-        run_together([one, other], 1)
 
 
 def test_walls_of_other_bricks_soil_or_strain_modes_are_reported():
@@ -240,21 +229,6 @@ def test_tables_are_freed_with_the_walls_without_the_garbage_collector(n_walls, 
         assert [one() for one in left] == [None] * (n_walls + 1)
     finally:
         gc.enable()
-
-
-def test_calls_of_the_step_leave_nothing_in_memory():
-    """numba 0.56 did not know the types of arguments again and kept 800 bytes a call, 30 kB a run
-    of `damage.run`."""
-    walls = [ReferenceSolver(lay_out(Wall("small", 0.45, 0.15)), 1e-6) for _ in range(8)]
-
-    def call(times):
-        for _ in range(times):
-            run_together(walls, 1)
-        gc.collect()
-        return os.sysconf("SC_PAGE_SIZE") * int(Path("/proc/self/statm").read_text().split()[1])
-
-    call(200)
-    assert call(2000) - call(1) < 200 * 2000
 
 
 # --- plain Python ---------------------------------------------------------------------------------
@@ -451,10 +425,8 @@ def test_machine_code_of_other_sources_is_not_found_whatever_their_times(tmp_pat
     assert compiles and tried() == (first, False)
     os.utime(package / "mechanics/bodies.py")  # as an update of other files or pip does
     assert tried() == (first, False)
-    for name in ("law/states.py", "law/joint_law.py"):
-        with (package / name).open("a", encoding="utf-8") as file:
-            file.write("\nANOTHER = 1\n")
-        os.utime(package / name, (0, 0))
-        index, compiles = tried()
-        assert compiles and index != first
-        first = index
+    with (package / "law/joint_law.py").open("a", encoding="utf-8") as file:
+        file.write("\nANOTHER = 1\n")
+    os.utime(package / "law/joint_law.py", (0, 0))
+    index, compiles = tried()
+    assert compiles and index != first

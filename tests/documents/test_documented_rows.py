@@ -14,13 +14,11 @@ from paper import document_figures, thirty_years
 
 SINE = "symmetric_harmonic-0.2-0.025"
 STRONG = "_window-0.8-2.5_rest-0.1_strength-cov-0.3"
-ROWS = {
-    "harmonic": "asymmetric_harmonic-0.2-0.025_rest-2",
+ROWS = {"harmonic": "asymmetric_harmonic-0.2-0.025_rest-2"}
+LONGER = {
     "nolintel": "symmetric_harmonic-0.06-0.1_lintel-none_rest-2",
     "ends": f"{SINE}_cycles-2_rest-2_contacts-corners",
     "published": f"symmetric_light_slow_record-MID1_N_synthetic_acc_m_s2_scale-0.75{STRONG}",
-}
-LONGER = {
     "lintel": "symmetric_harmonic-0.2-0.05_cycles-2_lintel-2_rest-2",
     "sequence": f"{SINE}_sequence-1-1-1-1-1-1_rest-1",
     "ida": "symmetric_record-MID1_N_synthetic_acc_m_s2_scale-0.75_rest-1",

@@ -43,6 +43,7 @@ def test_the_opened_length_is_that_of_the_index(two_windows):
     assert_allclose(share, history.index().DI_open, atol=1e-12)
 
 
+@pytest.mark.long
 def test_the_notebook_holds_what_its_cells_show():
     """The same kinds of outputs, words and, within the last digit that is printed, numbers."""
     path = REPOSITORY / "examples" / "thesis_figures.ipynb"

@@ -118,16 +118,3 @@ class TestRun:
         assert damage.run(PIER, pushover=0.001).loading == TopDisplacement((0.001,), cycles=0)
         assert len(damage.run(PIER, **SHORT | {"sequence": [1, 0.5]}).sequence) == 2
         assert capfd.readouterr().out == ""
-
-    @pytest.mark.parametrize(
-        "arguments, says",
-        [
-            ({"harmonc": 1}, "did you mean harmonic?"),
-            ({"motion": 3}, "motion = 3"),
-            ({"pictures": True}, "pictures=True"),
-            ({"motion": Harmonic(0.2, 0.1), "cycles": 2}, "leave one out"),
-            ({"motion": TopDisplacement((0.1,)), "sequence": "1,2"}, "leave it out"),
-        ],
-    )
-    def test_bad_arguments_are_one_line(self, arguments, says):
-        assert says in one_line_error(lambda: damage.run(**{"wall": PIER, **arguments}))

@@ -1,22 +1,16 @@
 """Figures of studies, from the tables that ship and from two points with histories."""
 
 import numpy as np
-import pandas as pd
 import pytest
-import small_history
 from conftest import REPOSITORY
 from matplotlib.colors import to_rgba
 from numpy.testing import assert_allclose
 from scipy.optimize import minimize
-from small_history import make_history
 
 from damage.draw.style import BLUE
-from damage.motion.formats import read_record, shipped_record_path
-from damage.motion.intensity import response_spectrum
-from damage.motion.loading import Recorded
 from paper import figures as study_figures
 from paper.harmonic_figures import against_amplitude
-from paper.ida_figures import nonnegative_parabola, records, residual_against_pga
+from paper.ida_figures import nonnegative_parabola, residual_against_pga
 from paper.results import Missing, load_results, variants
 
 TABLES = REPOSITORY / "docs" / "tables"
@@ -47,26 +41,6 @@ def test_tables_that_ship_are_drawn_and_what_needs_histories_is_named(shipped):
     assert missing == NEED_HISTORIES
     assert figures.keys() - missing == {"fig06", "fig08", "fig11", "fig12", "sensitivity"}
     assert all(ax.has_data() for kind in figures.keys() - missing for ax in figures[kind].axes)
-
-
-def test_spectra_are_those_of_the_record_at_each_scale(tmp_path, monkeypatch):
-    """Two points of the study of records, whose runs have one history."""
-    motion = Recorded(read_record(shipped_record_path("BGAR_HGE")), window_s=(17.0, 25.0))
-    monkeypatch.setitem(small_history.LOADINGS, "ida", motion.as_dict())
-    chosen = "wall == 'symmetric' and record.str.startswith('BGAR') and scale >= 1.8"
-    points = pd.read_csv(TABLES / "ida_points.csv").query(f"solver == 'reference' and {chosen}")
-    for name in ("runs", "tables"):
-        (tmp_path / "ida" / name).mkdir(parents=True)
-    points.to_csv(tmp_path / "ida/tables/points.csv", index=False)
-    runs = points.assign(run=points["point"])
-    runs.to_csv(tmp_path / "ida/tables/summary.csv", index=False)
-    for run in runs["run"]:
-        make_history(tmp_path / f"ida/runs/{run}.h5", loading="ida", drift=1e-3)
-    results = load_results(tmp_path)
-    figure = records(results, results.points)
-    for line, scale in zip(figure.axes[1].lines, (1.8, 2.0)):
-        spectrum = response_spectrum(motion.motion[0], line.get_xdata())
-        assert_allclose(line.get_ydata(), scale * spectrum)
 
 
 def test_medians_ranges_and_printed_values_are_those_of_the_tables(shipped):

@@ -189,6 +189,7 @@ def test_a_toe_crushes_alike(tmp_path, in_both):
     )
 
 
+@pytest.mark.long
 def test_a_spreader_beam_keeps_the_ratio_of_its_forces(tmp_path, in_both):
     """The column of tests/core/test_floors.py: its floors move as by hand in both."""
     wall = wall_file(
@@ -203,6 +204,7 @@ def test_a_spreader_beam_keeps_the_ratio_of_its_forces(tmp_path, in_both):
         assert_allclose(history.series["top_force_n"].iloc[-5:].mean(), 50.6, rtol=5e-3)
 
 
+@pytest.mark.long
 def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
     words = "walls/triplet.toml --pushover 0.05 --speed 4e-5"
     for history in in_both(tmp_path, words, reference=LOCAL).values():
@@ -213,6 +215,7 @@ def test_a_triplet_slides_at_cohesion_and_friction(tmp_path, in_both):
         assert_allclose(stresses, [slides + wall.joint.cohesion, slides], rtol=0.01)
 
 
+@pytest.mark.long
 def test_the_top_is_free_in_a_run_that_continues_after_a_push(tmp_path, yade_command):
     """And it can be pushed again."""
     wall = "Wall('w', 0.9, 0.3, [Opening(0.35, 0.2, 0.2)])"

@@ -156,7 +156,7 @@ def ended(request, tmp_path_factory, yade_command):
             deadline = time.monotonic() + 300
             while time.monotonic() < deadline and count_samples(out) == 0:
                 before.update(listening(child.pid))
-                time.sleep(0.02)
+                time.sleep(0.2)
             now = listening(child.pid)
             child.send_signal(number)
             child.wait(timeout=300)

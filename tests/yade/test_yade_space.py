@@ -238,6 +238,7 @@ def cavity(tmp_path):
     )
 
 
+@pytest.mark.long
 def test_a_run_counts_the_ties_that_fail(yade_command, output_of, tmp_path):
     house = cavity(tmp_path)
     motion = "--harmonic 0.04 0.4 --cycles 1 --rest 0.01 --no-pictures"

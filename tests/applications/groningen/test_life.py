@@ -36,7 +36,6 @@ from damage.applications.groningen.life.results import (
 )
 from damage.applications.studies.definition import load_study
 from damage.measure.cycles import shocks_table
-from damage.motion import columns
 from damage.motion.sequence import read_sequence
 from damage.rounded import to_bits
 from damage.run.banner import event_lines
@@ -115,18 +114,6 @@ class TestDraws:
             [18.7, 18.7, 20.7, 20.9, 20.9, 23.8]
         )
         assert (ground.profile, ground.distortion.hex()) == ("sagging", "0x1.789b3f8000000p-12")
-
-    def test_a_record_is_parsed_once_whatever_is_asked_of_it(self, exposure, monkeypatch):
-        """As by the addresses of a study, which differ in their windows."""
-        parsed = []
-        read = columns.read_columns
-        monkeypatch.setattr(
-            columns, "read_columns", lambda path, *more: parsed.append(path) or read(path, *more)
-        )
-        columns.read.cache_clear()
-        for strong in ((0.07, 0.1), (0.07, 0.2)):
-            assert len(draws(exposure, within_km=3.5, strong=strong).components) > 2
-        assert len(parsed) == len(set(parsed))
 
     def test_events_are_those_of_the_sequence_file(self, exposure, tmp_path):
         life = draws(exposure, above_mm_s=3.0).life(1)
