@@ -47,6 +47,9 @@ def length_fraction(
 
     selected: bool (..., n_joints); length: (n_joints,) [m]; total_length: of all joints [m], where
     these are not all. Returns (...,).
+
+    >>> float(length_fraction(np.array([True, False]), np.array([0.1, 0.3])))
+    0.25
     """
     return (
         np.asarray(selected, float)
@@ -79,6 +82,17 @@ def damage_index(
     arrays. Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit,
     which is
     DI_drift before it was clipped to [0, 1].
+
+    >>> index = damage_index(
+    ...     np.array([0.0, 0.1]),
+    ...     np.array([0.0, 0.002]),
+    ...     opening=np.array([[0.0, 0.0], [2e-4, 0.0]]),
+    ...     slip=np.zeros((2, 2)),
+    ...     at_limit=np.zeros((2, 2), bool),
+    ...     length=np.array([0.1, 0.3]),
+    ... )
+    >>> index[["DI_drift", "DI_open", "DI"]].round(3).values.tolist()
+    [[0.0, 0.0, 0.0], [0.1, 0.25, 0.325]]
     """
     check_choice("slip criterion", slip_criterion, SLIP_CRITERIA)
     check_positive("threshold", threshold)

@@ -71,7 +71,11 @@ class Material(NamedTuple):
 
 
 def material_of(joint: Joint) -> Material:
-    """The Material of a damage.wall.parameters.Joint."""
+    """The Material of a damage.wall.parameters.Joint.
+
+    >>> round(material_of(Joint()).friction, 4)
+    0.6249
+    """
     return Material(float(to_bits(tan(joint.friction_angle))))
 
 
@@ -131,6 +135,9 @@ def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, frict
     If so, `advance` changes the stresses only.  All arguments but friction [-] are stresses [Pa],
     or forces [N], or, with the result of `elastic_range`, displacements [m].  Strengths: as of
     `strength_left`.
+
+    >>> stays_elastic(-0.3e6, 0.1e6, 0.2e6, 0.24e6, 0.6)
+    True
     """
     return (normal_stress <= tensile_strength) & (
         abs(shear_stress) < cohesion - normal_stress * friction
@@ -140,7 +147,11 @@ def stays_elastic(normal_stress, shear_stress, tensile_strength, cohesion, frict
 @register_jitable
 def withstands(normal_stress, compressive_strength):
     """Whether an elastic trial stress [Pa] causes no crushing, (C1); both arguments may be forces
-    [N]."""
+    [N].
+
+    >>> withstands(-5e6, 6e6), withstands(-7e6, 6e6)
+    (True, False)
+    """
     return normal_stress >= -compressive_strength
 
 
@@ -180,20 +191,31 @@ def share_left(kappa: float, material: Material) -> float:
     """Share of its strengths [-] that is left of a softening bond at kappa [-], (S1), (S2).
 
     It falls from 1 at zero; its integral until the bond fails is AREA.
+
+    >>> round(float(share_left(1.0, Material(0.6))), 4)
+    0.3679
     """
     return exp(-kappa)
 
 
 @register_jitable
 def friction_left(broken: bool, material: Material) -> float:
-    """Coefficient of friction [-] of an intact or, if broken, failed contact point."""
+    """Coefficient of friction [-] of an intact or, if broken, failed contact point.
+
+    >>> friction_left(True, Material(0.6))
+    0.6
+    """
     return material.friction
 
 
 @register_jitable
 def diagonal_tension(strength: float, sigma: float) -> float:
     """Mean shear stress [Pa] that the middle of a brick bears under a vertical stress, tension
-    positive [Pa], by its tensile strength [Pa] (`damage.wall.split`)."""
+    positive [Pa], by its tensile strength [Pa] (`damage.wall.split`).
+
+    >>> round(diagonal_tension(1e6, -1e6) / 1e6, 3)
+    1.23
+    """
     return math.sqrt(max(strength * (strength - sigma), 0.0)) / PEAK
 
 
@@ -212,6 +234,9 @@ def tension_stiffness(tensile_strength: float, gap: float, normal_stiffness: flo
 
     tensile_strength: remaining [Pa]; gap: largest inelastic opening [m]; normal_stiffness: elastic
     [Pa/m].
+
+    >>> round(tension_stiffness(0.2e6, 1e-3, 1e12) / 1e9, 3)
+    0.2
     """
     if gap == 0.0:
         return normal_stiffness
@@ -484,7 +509,11 @@ def elastic_energy(
     normal_stress: float, shear_stress: float, normal_stiffness: float, shear_stiffness: float
 ) -> float:
     """Elastic energy per area [J/m2]: sigma^2 / 2 k_n + tau^2 / 2 k_s; stresses [Pa], stiffnesses
-    [Pa/m]."""
+    [Pa/m].
+
+    >>> elastic_energy(0.0, 1e5, 1e12, 1e12)
+    0.005
+    """
     return (
         0.5 * normal_stress * normal_stress / normal_stiffness
         + 0.5 * shear_stress * shear_stress / shear_stiffness
@@ -494,5 +523,9 @@ def elastic_energy(
 @register_jitable
 def inelastic_opening(opening: float, normal_stress: float, normal_stiffness: float) -> float:
     """Inelastic part of an opening [m], from the normal stress [Pa] and stiffness [Pa/m]; zero
-    where closed."""
+    where closed.
+
+    >>> inelastic_opening(1e-4, 0.0, 1e12)
+    0.0001
+    """
     return opening - normal_stress / normal_stiffness if opening > 0.0 else 0.0

@@ -110,7 +110,13 @@ def _of_bearing(layout, stiffness):
 
 def mass_vector(layout: Layout) -> np.ndarray:
     """Masses and inertias (coordinates n_bodies,) in the order of the degrees of freedom; zero of
-    strain modes that a body does not have, and of coordinates that restraints hold."""
+    strain modes that a body does not have, and of coordinates that restraints hold.
+
+    >>> from damage.wall.layout import lay_out
+    >>> from damage.wall.parameters import Wall
+    >>> mass_vector(lay_out(Wall("pier", 0.9, 1.5))).shape
+    (273,)
+    """
     rigid = layout.rigid_mass
     strain = layout.strain
     return (rigid if strain is None else np.hstack([rigid, strain.mass])).ravel()
@@ -156,6 +162,11 @@ def natural_modes(layout: Layout, n_modes: int = 6) -> Modes:
 
     Those of the last walls are kept: members of an ensemble differ by their strengths alone, which
     modes do not know. Raises InputError of a wall that has none in the numbers of this machine.
+
+    >>> from damage.wall.layout import lay_out
+    >>> from damage.wall.parameters import Wall
+    >>> natural_modes(lay_out(Wall("pier", 0.9, 1.5))).period_s[:1].round(4).tolist()
+    [0.0815]
     """
     return _kept(_natural_modes, layout, n_modes)
 

@@ -57,6 +57,9 @@ def mean_width(width: np.ndarray, length: np.ndarray) -> np.ndarray:
     without a crack.
 
     width: (..., n), 0 where not cracked; length: (n,) [m].
+
+    >>> mean_width(np.array([1e-3, 3e-3]), np.array([1.0, 1.0])).round(5).tolist()
+    0.0025
     """
     width = np.asarray(width, float)
     length = np.asarray(length, float)
@@ -68,6 +71,9 @@ def cracked(width: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
     """Whether widths [m] reach the threshold [m], bool of the same shape; NaN does not.
 
     Raises InputError for a threshold that is not positive.
+
+    >>> cracked([0.5e-4, 1e-4, np.nan]).tolist()
+    [False, True, False]
     """
     check_positive("crack width threshold", threshold)
     return np.asarray(width) >= threshold * (1 - _PRECISION)
@@ -77,6 +83,9 @@ def close_pairs(ends: np.ndarray) -> np.ndarray:
     """Pairs of segments whose distance is below JOINING_GAP [m], (n_pairs, 2) indices.
 
     ends: (n, 2, 2) [m], both ends of segments along x or along z.
+
+    >>> close_pairs(np.array([[[0, 0], [1, 0]], [[1.005, 0], [2, 0]], [[3, 0], [4, 0]]])).tolist()
+    [[0, 1]]
     """
     if len(ends) < 2:
         return np.zeros((0, 2), int)
@@ -93,6 +102,9 @@ def crack_numbers(is_cracked: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Number of the crack that each segment belongs to, (n,) int from 1; 0 where it is not cracked.
 
     is_cracked: (n,) bool; pairs: (n_pairs, 2) from `close_pairs`.
+
+    >>> crack_numbers(np.array([True, True, False, True]), np.array([[0, 1]])).tolist()
+    [1, 1, 0, 2]
     """
     joined = pairs[is_cracked[pairs].all(axis=1)]
     graph = coo_matrix((np.ones(len(joined)), joined.T), shape=(len(is_cracked),) * 2)
@@ -111,6 +123,10 @@ def crack_table(
     threshold: crack width from which a segment is cracked [m].
     Returns a DataFrame: crack (from 1), joint (index of the segment), ENDS, length_m, opening_m,
     slip_m, width_m.
+
+    >>> ends = np.array([[[0.0, 0.0], [0.1, 0.0]], [[0.1, 0.0], [0.2, 0.0]]])
+    >>> crack_table(ends, np.array([2e-4, 0.0]), np.zeros(2))["opening_m"].tolist()
+    [0.0002]
     """
     opening = np.asarray(opening, float)
     slip = np.asarray(slip, float)
@@ -137,7 +153,11 @@ def ends_of(table: pd.DataFrame) -> np.ndarray:
 
 def points_along(ends: np.ndarray, number: int = 20) -> np.ndarray:
     """Points in the middles of equal parts of straight lines with these ends (n, 2, 2), (n, number,
-    2) [m]."""
+    2) [m].
+
+    >>> points_along(np.array([[[0.0, 0.0], [1.0, 2.0]]]), 2).tolist()
+    [[[0.25, 0.5], [0.75, 1.5]]]
+    """
     share = (np.arange(number) + 0.5) / number
     return ends[:, :1] + share[:, np.newaxis] * (ends[:, 1:] - ends[:, :1])
 
@@ -158,7 +178,12 @@ def cracks_at(history: History, sample: int, threshold: float = THRESHOLD) -> pd
 
 
 def psi(table: pd.DataFrame) -> float:
-    """Psi [-] of a `crack_table`."""
+    """Psi [-] of a `crack_table`.
+
+    >>> ends = np.array([[[0.0, 0.0], [0.1, 0.0]]])
+    >>> round(psi(crack_table(ends, np.array([1e-4]), np.zeros(1))), 3)
+    1.002
+    """
     return float(
         psi_value(table["crack"].nunique(), mean_width(table["width_m"], table["length_m"]))
     )

@@ -242,6 +242,10 @@ def natural_period(time_s: np.ndarray, displacement: np.ndarray) -> float | None
     time_s, displacement: (n_times,), equally spaced.  The search is around the highest peak of the
     Fourier spectrum, and exact for a single undamped sinusoid.  None for fewer than three cycles or
     16 samples, and where the displacement varies by less than NOISE.
+
+    >>> t = np.linspace(0, 2, 2001)
+    >>> round(float(natural_period(t, np.sin(2 * np.pi * t / 0.2))), 3)
+    0.2
     """
     from scipy.optimize import minimize_scalar
 

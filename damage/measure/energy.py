@@ -48,7 +48,11 @@ def known_energies(series: pd.DataFrame) -> pd.DataFrame:
 
 def noise_j(mass_kg: float, height_m: float) -> float:
     """Least input energy [J] for an energy balance error of a wall of this mass [kg] and height
-    [m]."""
+    [m].
+
+    >>> round(noise_j(1000.0, 2.0), 12)
+    1.962e-08
+    """
     return NOISE * mass_kg * GRAVITY * height_m
 
 

@@ -136,7 +136,11 @@ NAMES = ", ".join(row.name for row in READ)
 
 
 def shipped_record_path(name: str = "BGAR_HGE") -> Path:
-    """Path of a record that comes with the package; damage/data/*/README.md say what each is."""
+    """Path of a record that comes with the package; damage/data/*/README.md say what each is.
+
+    >>> shipped_record_path("BGAR_HGE").name
+    'BGAR_HGE_acc_m_s2.csv'
+    """
     shipped = shipped_records()
     if name not in shipped:
         raise InputError(
@@ -148,7 +152,11 @@ def shipped_record_path(name: str = "BGAR_HGE") -> Path:
 
 @cache  # a study asks for each of its runs
 def shipped_records() -> dict[str, Path]:
-    """{name: path} of the records that come with the package, in the order of their names."""
+    """{name: path} of the records that come with the package, in the order of their names.
+
+    >>> "BGAR_HGE" in shipped_records()
+    True
+    """
     shipped = {path.name.split("__")[0]: path for path in DATA.glob("*/*.mseed")}
     shipped |= {record_name(path): path for path in DATA.glob("*/*_acc_m_s2.csv")}
     return dict(sorted(shipped.items()))
@@ -197,6 +205,10 @@ def read_record(
     that has no times in seconds [s].
     The record holds the SHA-256 of every file that was read: a format that reads further ones names
     theirs in `beside_sha256`.
+
+    >>> record = read_record(shipped_record_path("BGAR_HGE"))
+    >>> record.time_step_s, len(record.acceleration_m_s2)
+    (0.005, 9304)
     """
     path = record_path(path)
     data = _content(path)

@@ -53,12 +53,21 @@ MOST_VALUES = 10**8
 
 
 def pga_g(record: Record) -> float:
-    """Peak ground acceleration [g]."""
+    """Peak ground acceleration [g].
+
+    >>> from damage.motion.formats import read_record, shipped_record_path
+    >>> round(pga_g(read_record(shipped_record_path("BGAR_HGE"))), 4)
+    0.1107
+    """
     return float(np.abs(record.acceleration_m_s2).max()) / GRAVITY
 
 
 def pgv_cm_s(record: Record) -> float:
-    """Peak ground velocity as `pgv_m_s` has it [cm/s]."""
+    """Peak ground velocity as `pgv_m_s` has it [cm/s].
+
+    >>> round(pgv_cm_s(Record("pulse", 0.01, np.ones(11))), 2)
+    10.0
+    """
     return 100.0 * pgv_m_s(record)
 
 
@@ -68,6 +77,9 @@ def pgv_m_s(record: Record) -> float:
     Exact for acceleration that is linear between samples, which is how a run applies it: the
     velocity's peak is at a sample or where the acceleration passes zero between two.  Nothing is
     filtered: a baseline that is off counts.
+
+    >>> round(pgv_m_s(Record("pulse", 0.01, np.ones(11))), 4)
+    0.1
     """
     a = record.acceleration_m_s2
     step_s = record.time_step_s
@@ -167,7 +179,11 @@ def applied_measures(
 
 
 def sa_g(record: Record, period_s: float) -> float:
-    """5 % spectral acceleration at a period, the rest after the motion included [g]."""
+    """5 % spectral acceleration at a period, the rest after the motion included [g].
+
+    >>> round(sa_g(Record("pulse", 0.01, np.ones(101)), 0.2), 3)
+    0.189
+    """
     return float(response_spectrum(rested(record, period_s), [period_s])[0])
 
 
@@ -180,20 +196,32 @@ def _where_it_applies(measure):
 
 
 def rested(record: Record, rest_s: float) -> Record:
-    """The record with at least that time at rest after it [s]."""
+    """The record with at least that time at rest after it [s].
+
+    >>> len(rested(Record("pulse", 0.01, np.ones(11)), 0.1).acceleration_m_s2)
+    22
+    """
     rest = np.zeros(math.ceil(rest_s / record.time_step_s) + 1)
     return replace(record, acceleration_m_s2=np.concatenate((record.acceleration_m_s2, rest)))
 
 
 def arias_m_s(record: Record) -> float:
-    """Arias intensity, pi / (2 g) times the integral of the squared acceleration [m/s]."""
+    """Arias intensity, pi / (2 g) times the integral of the squared acceleration [m/s].
+
+    >>> round(arias_m_s(Record("pulse", 0.01, np.ones(101))), 4)
+    0.1601
+    """
     return math.pi / (2 * GRAVITY) * float(_squared_acceleration_integral(record)[-1])
 
 
 def significant_duration_s(
     record: Record, start_fraction: float = 0.05, end_fraction: float = 0.75
 ) -> float:
-    """Time between two fractions of the Arias intensity, linear between samples [s]."""
+    """Time between two fractions of the Arias intensity, linear between samples [s].
+
+    >>> round(significant_duration_s(Record("pulse", 0.01, np.ones(101))), 2)
+    0.7
+    """
     if not 0 <= start_fraction < end_fraction <= 1:
         raise InputError(
             f"fractions {start_fraction!r} and {end_fraction!r} of the Arias intensity;"
@@ -225,6 +253,9 @@ def response_spectrum(
     The response is exact for acceleration that is linear between samples, after Nigam & Jennings
     (1969), Bull. Seism. Soc. Am. 59(2), 909-922. The peak is looked for from the first to the last
     sample, not in the free vibration after it.
+
+    >>> response_spectrum(Record("pulse", 0.01, np.ones(101)), [0.1, 0.2]).round(3).tolist()
+    [0.189, 0.189]
     """
     periods_s = np.atleast_1d(np.asarray(periods_s, dtype=np.float64))
     if periods_s.ndim != 1 or not (np.isfinite(periods_s) & (periods_s > 0)).all():
@@ -295,6 +326,9 @@ def end_velocity_m_s(record: Record) -> float:
 
     It is 0 for a motion that comes to rest.  A baseline that is off and a window that cuts the
     motion leave more.
+
+    >>> round(end_velocity_m_s(Record("pulse", 0.01, np.ones(11))), 4)
+    0.1
     """
     return float(scipy.integrate.trapezoid(record.acceleration_m_s2, dx=record.time_step_s))
 

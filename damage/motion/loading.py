@@ -183,7 +183,11 @@ class Harmonic(Loading):
         return self.amplitude_g
 
     def preferred_step_s(self, max_step_s: float) -> float:
-        """Largest step up to max_step that brings the sine's peaks onto steps [s]."""
+        """Largest step up to max_step that brings the sine's peaks onto steps [s].
+
+        >>> round(Harmonic(0.2, 0.05).preferred_step_s(3e-3), 6)
+        0.002941
+        """
         quarter_s = self.period_s / 4
         return quarter_s / prepare.whole_steps(quarter_s, max_step_s)
 
@@ -202,7 +206,11 @@ class Harmonic(Loading):
         return Record(self.name, self.period_s / samples, self._sine(time_s))
 
     def base_acceleration(self, time_s: np.ndarray) -> np.ndarray:
-        """Along x and z, (n, 2) [m/s2], at times (n,) [s]."""
+        """Along x and z, (n, 2) [m/s2], at times (n,) [s].
+
+        >>> Harmonic(0.2, 0.05).base_acceleration(np.array([0.05])).round(3).tolist()
+        [[0.491, 0.0]]
+        """
         time_s = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
         driven = (time_s >= 0) & (time_s <= self.duration_s)
         return np.column_stack((np.where(driven, self._sine(time_s), 0.0), np.zeros_like(time_s)))
@@ -651,7 +659,11 @@ _KINDS = {
 
 def loading_from_dict(table: dict) -> Loading:
     """The record of which a loading's `as_dict` made the table; of a recorded motion all but its
-    samples."""
+    samples.
+
+    >>> loading_from_dict(Harmonic(0.2, 0.05).as_dict()) == Harmonic(0.2, 0.05)
+    True
+    """
     if table.get("kind") not in _KINDS:
         raise InputError(
             f"a loading of kind {table.get('kind')!r}: expected one of {', '.join(_KINDS)}; a later"

@@ -116,13 +116,21 @@ class Record:
 
 
 def scaled(record: Record, factor: float) -> Record:
-    """The record times a factor; a negative one reverses its direction."""
+    """The record times a factor; a negative one reverses its direction.
+
+    >>> scaled(Record("pulse", 0.01, [0.0, 1.0, 0.0]), 2.0).acceleration_m_s2.tolist()
+    [0.0, 2.0, 0.0]
+    """
     check_range("scale factor", factor, -MOST_SCALE, MOST_SCALE)
     return replace(record, acceleration_m_s2=record.acceleration_m_s2 * factor)
 
 
 def windowed(record: Record, t0_s: float, t1_s: float) -> Record:
-    """The samples nearest to t0 up to those nearest to t1, both included; time restarts at 0."""
+    """The samples nearest to t0 up to those nearest to t1, both included; time restarts at 0.
+
+    >>> windowed(Record("ramp", 0.01, np.arange(5.0)), 0.01, 0.03).acceleration_m_s2.tolist()
+    [1.0, 2.0, 3.0]
+    """
     first, last = _ends(record, t0_s, t1_s)
     return _cut(record, first, record.acceleration_m_s2[first : last + 1])
 
@@ -133,6 +141,9 @@ def interpolated(record: Record, window_s: tuple[float, float] | None = None) ->
 
     A windowed sinc; beyond its first and last sample the record continues as its reflection in that
     point, so that neither its ends nor a baseline ring.
+
+    >>> len(interpolated(Record("pulse", 0.01, [0.0, 1.0, 0.0])).acceleration_m_s2)
+    21
     """
     first, last = _ends(record, *window_s) if window_s else (0, record.acceleration_m_s2.size - 1)
     if (last - first) * FINER >= MOST_SAMPLES:
@@ -233,7 +244,12 @@ def start_difference_s(record: Record, other: Record) -> float:
 
 
 def baseline_corrected(record: Record, order: int = 1) -> Record:
-    """The record minus its least-squares polynomial of the given order (0: minus the mean)."""
+    """The record minus its least-squares polynomial of the given order (0: minus the mean).
+
+    >>> corrected = baseline_corrected(Record("offset", 0.01, np.full(100, 0.1)))
+    >>> bool(abs(corrected.acceleration_m_s2).max() < 1e-12)
+    True
+    """
     if order not in range(min(10, record.acceleration_m_s2.size)):
         raise InputError(
             f"baseline order {order!r} for {record.acceleration_m_s2.size} samples;"
@@ -249,6 +265,10 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
 
     `order` counts both passes: the filter runs forward and backward with half of it each, so
     an edge falls with 6 dB times `order` an octave and the amplitude at a corner is 1/2.
+
+    >>> slow = Record("slow", 0.01, np.ones(2000))
+    >>> bool(abs(band_passed(slow, 0.5, 20.0).acceleration_m_s2[500:1500]).max() < 0.1)
+    True
     """
     rate_hz = 1.0 / record.time_step_s
     if not LOWEST_HZ <= low_hz < high_hz < 0.5 * rate_hz:
@@ -270,7 +290,11 @@ def band_passed(record: Record, low_hz: float, high_hz: float, order: int = 4) -
 
 
 def whole_steps(interval_s: float, max_step_s: float) -> int:
-    """Smallest number of equal steps, none above max_step [s], that fill an interval [s]."""
+    """Smallest number of equal steps, none above max_step [s], that fill an interval [s].
+
+    >>> whole_steps(0.05, 0.003)
+    17
+    """
     check_positive("largest time step [s]", max_step_s)
     # the quotient may be rounded up or down, so the definition has the last word
     steps = max(1, math.ceil(interval_s / max_step_s) - 1)

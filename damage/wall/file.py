@@ -74,19 +74,31 @@ _RECORDS = Wall, Opening, Floor, Lintel, Brick, Joint
 
 
 def shipped_walls() -> dict[str, Path]:
-    """{name: path} of the walls that ship, in Python and as data."""
+    """{name: path} of the walls that ship, in Python and as data.
+
+    >>> "symmetric" in shipped_walls()
+    True
+    """
     return shipped_files("walls", ".py") | shipped_files("walls", ".toml")
 
 
 def shipped_houses() -> dict[str, Path]:
-    """{name: path} of the houses that ship; beside them are files of their walls."""
+    """{name: path} of the houses that ship; beside them are files of their walls.
+
+    >>> "terraced" in shipped_houses()
+    True
+    """
     files = shipped_files("houses", ".toml")
     return {name: path for name, path in files.items() if "[[walls]]" in path.read_text("utf-8")}
 
 
 def wall_path(word: str | Path) -> Path:
     """Path of a file of a wall or a house, given by its path or by the name of one that ships, like
-    symmetric; a file of that name comes first.  Raises InputError where there is neither."""
+    symmetric; a file of that name comes first.  Raises InputError where there is neither.
+
+    >>> wall_path("symmetric").name
+    'symmetric.py'
+    """
     path = check_path(word)
     named = shipped_walls() | shipped_houses()
     if path.is_file():
@@ -103,7 +115,11 @@ def wall_path(word: str | Path) -> Path:
 
 def load_wall(path: str | Path) -> Wall:
     """The wall of a file, by its path or the name of a wall that ships; InputError where the file
-    is missing or makes no wall."""
+    is missing or makes no wall.
+
+    >>> load_wall(wall_path("symmetric")).length
+    4.05
+    """
     path = wall_path(path)
     if path.suffix.lower() == ".toml":
         return wall_of(lambda: read_wall(path), path)
@@ -178,7 +194,11 @@ def read_wall(path: str | Path) -> Wall:
 
 
 def wall_from(table: dict) -> Wall:
-    """The damage.Wall of a table {key: value} as a TOML file has it."""
+    """The damage.Wall of a table {key: value} as a TOML file has it.
+
+    >>> wall_from({"name": "pier", "length": 0.9, "height": 1.5}).height
+    1.5
+    """
     given = dict(table)
     if "walls" in given:
         raise InputError(

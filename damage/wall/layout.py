@@ -403,6 +403,10 @@ def lay_out(
     of the options; by its seed the members of an ensemble differ.
     Raises InputError where the openings' edges leave cells too narrow to compute with, or there are
     too many.
+
+    >>> layout = lay_out(Wall("pier", 0.9, 1.5))
+    >>> layout.n_bricks, layout.n_joints
+    (90, 390)
     """
     options = options or ModelOptions()
     alike = _lay_out_alike(wall, replace(options, strength_cov=0.0, strength_seed=0))

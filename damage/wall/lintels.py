@@ -146,7 +146,11 @@ class Lintel:
 
 def lintel_of(given: str | dict | Lintel) -> Lintel:
     """The Lintel of a name, of a table {field: value} or of a Lintel; InputError for anything
-    else."""
+    else.
+
+    >>> lintel_of("concrete").kind
+    'concrete'
+    """
     if isinstance(given, str):
         return Lintel(given)
     if isinstance(given, dict):

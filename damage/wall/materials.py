@@ -213,7 +213,11 @@ def _named(what, name, known):
 
 
 def as_dict() -> dict:
-    """Materials and formats as plain tables, in SI units."""
+    """Materials and formats as plain tables, in SI units.
+
+    >>> sorted(as_dict())
+    ['formats', 'materials']
+    """
     return {
         "materials": {name: material._asdict() for name, material in MATERIALS.items()},
         "formats": {name: brick._asdict() for name, brick in FORMATS.items()},

@@ -345,6 +345,9 @@ def brick_of_masonry(
 
     1/E = 1/E_brick + 1/(k_n h), and with G = shear_ratio E (EN 1996-1-1, 3.7.3: 0.4) and k_s in
     shear; sizes: the brick's other parameters.
+
+    >>> round(brick_of_masonry(4e9, Joint()).young_modulus / 1e9, 2)
+    4.19
     """
     brick = Brick(**sizes)
     check_range("young_modulus of masonry [Pa]", young_modulus, 1.0, 1e20)
@@ -539,7 +542,11 @@ class Wall:
 
     def as_dict(self) -> dict:
         """All parameters as a plain dictionary, for files and tables; without outline, floors,
-        restraints and lintels of its own where it has none."""
+        restraints and lintels of its own where it has none.
+
+        >>> Wall("pier", 0.9, 1.5).as_dict()["length"]
+        0.9
+        """
         optional = "outline", "floors", "restraints"
         table = {
             name: value for name, value in asdict(self).items() if value or name not in optional
@@ -559,7 +566,11 @@ class Wall:
     @classmethod
     def from_dict(cls, table: dict) -> "Wall":
         """The wall of which `as_dict` made the table; one with openings and without a lintel has
-        "courses"."""
+        "courses".
+
+        >>> Wall.from_dict(Wall("pier", 0.9, 1.5).as_dict()) == Wall("pier", 0.9, 1.5)
+        True
+        """
         brick = dict(table.get("brick", {}))
         if brick.pop("cohesion", None) is not None:  # None in all walls of older versions
             raise InputError(f"Brick with cohesion: {NO_COHESION}")

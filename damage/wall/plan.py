@@ -123,7 +123,12 @@ class Plan:
 
 def plan_of(wall, options: ModelOptions | None = None) -> Plan:
     """The Plan of a damage.Wall under ModelOptions, whose `lintel` says which lintels are built;
-    None: as given."""
+    None: as given.
+
+    >>> from damage.wall.parameters import Wall
+    >>> len(plan_of(Wall("pier", 0.9, 1.5)).runs)
+    20
+    """
     wall = wall if options is None else wall.with_lintels(options.lintel)
     floors = floor_places(wall)
     brick = wall.brick

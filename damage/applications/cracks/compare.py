@@ -130,7 +130,11 @@ def _compare_numbers(first, others):
 
 def allowed_difference(name: str, value: float) -> float:
     """Largest allowed difference of a measure of TOLERANCES from `value` of the second history, in
-    its unit."""
+    its unit.
+
+    >>> round(allowed_difference("DI", 0.1), 4)
+    0.01
+    """
     absolute, relative = TOLERANCES[name]
     return max(absolute, relative * abs(value))
 
@@ -262,6 +266,9 @@ def cohens_kappa(first: np.ndarray, second: np.ndarray) -> float | None:
 
     here, there: (n,) indices of `damage.history.moments.JOINT_STATES`.  1: they agree in all; 0: as
     often as by chance.
+
+    >>> round(cohens_kappa(np.array([True, True, False]), np.array([True, False, False])), 2)
+    0.4
     """
     first = np.asarray(first)
     second = np.asarray(second)
