@@ -84,7 +84,17 @@ def judge_combinations(folder):
             if ("symmetric", lintel, 0.2, cycles) in points:
                 findings = judge_with(
                     SOLVER,
-                    [Evidence(mine, points, lintel, slip, records, cycles) for slip in CRITERIA],
+                    [
+                        Evidence(
+                            runs=mine,
+                            points=points,
+                            lintel=lintel,
+                            slip=slip,
+                            records=records,
+                            usual_cycles=cycles,
+                        )
+                        for slip in CRITERIA
+                    ],
                 )
                 period_s = float(mine.loc[mine["wall"] == "symmetric", "eigen_period_s"].median())
                 own = (mine["wall"] != "solid") & (

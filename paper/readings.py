@@ -81,7 +81,14 @@ def judge_readings(folder):
         found[reading] = judge_with(
             SOLVER,
             [
-                Evidence(mine, points, reading.lintel, slip, records, reading.cycles)
+                Evidence(
+                    runs=mine,
+                    points=points,
+                    lintel=reading.lintel,
+                    slip=slip,
+                    records=records,
+                    usual_cycles=reading.cycles,
+                )
                 for slip in CRITERIA
             ],
         )

@@ -116,7 +116,16 @@ def _finding(claim, solver, evidence, model=""):
     except NotThere as missing:
         value = str(missing)
         verdict = UNJUDGED
-    return Finding(claim, solver, evidence.lintel, evidence.slip, value, verdict, margin, model)
+    return Finding(
+        claim=claim,
+        solver=solver,
+        lintel=evidence.lintel,
+        slip=evidence.slip,
+        value=value,
+        verdict=verdict,
+        margin=margin,
+        model=model,
+    )
 
 
 def statement_verdict(findings):

@@ -238,13 +238,13 @@ def problems():
     ):
         found.append(
             Problem(
-                f"crushing in cycles, {form}",
-                quantity,
-                "J/m²",
-                lost(form),
-                "G_c (1 - exp(-f_c d / G_c))" if softens(form) else "f_c times the closure",
-                dict.fromkeys(SOLVERS, 1e-3 if softens(form) else 5e-3),
-                {
+                name=f"crushing in cycles, {form}",
+                quantity=quantity,
+                unit="J/m²",
+                exact=lost(form),
+                source="G_c (1 - exp(-f_c d / G_c))" if softens(form) else "f_c times the closure",
+                tolerance=dict.fromkeys(SOLVERS, 1e-3 if softens(form) else 5e-3),
+                solvers={
                     "reference": lambda form=form, measure=measure: measure(
                         driven("reference", form)
                     ),

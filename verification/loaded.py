@@ -34,13 +34,13 @@ def problems():
     """First period of each wall in free vibration, by the real commands."""
     return [
         Problem(
-            f"{name} wall under its load",
-            "first period",
-            "s",
-            lambda name=name: loaded_period(lay_out(load_wall(_file(name)))),
-            "eigenvalue of the derivative of the forces at rest",
-            {"reference": 5e-4, "yade": 5e-4},
-            {
+            name=f"{name} wall under its load",
+            quantity="first period",
+            unit="s",
+            exact=lambda name=name: loaded_period(lay_out(load_wall(_file(name)))),
+            source="eigenvalue of the derivative of the forces at rest",
+            tolerance={"reference": 5e-4, "yade": 5e-4},
+            solvers={
                 solver: lambda name=name, solver=solver: free_period(name, solver)
                 for solver in COMMANDS
             },

@@ -68,13 +68,13 @@ def of_both(name, quantity, unit, exact, source, tolerance, reference, *case):
     that measures it there; case: arguments of `ask_yade`."""
     tolerance = tolerance if isinstance(tolerance, dict) else dict.fromkeys(SOLVERS, tolerance)
     return Problem(
-        name,
-        quantity,
-        unit,
-        exact,
-        source,
-        tolerance,
-        {"reference": reference, "yade": partial(ask_yade, *case)},
+        name=name,
+        quantity=quantity,
+        unit=unit,
+        exact=exact,
+        source=source,
+        tolerance=tolerance,
+        solvers={"reference": reference, "yade": partial(ask_yade, *case)},
     )
 
 

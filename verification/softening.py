@@ -206,13 +206,13 @@ def problems():
     for name, friction, energy, energy_name, strength, strength_name, which in cases:
         found.append(
             Problem(
-                f"softening, {name}",
-                "energy dissipated beside friction",
-                "J/m²",
-                energy,
-                energy_name,
-                dict.fromkeys(SOLVERS, 1e-2),
-                both(
+                name=f"softening, {name}",
+                quantity="energy dissipated beside friction",
+                unit="J/m²",
+                exact=energy,
+                source=energy_name,
+                tolerance=dict.fromkeys(SOLVERS, 1e-2),
+                solvers=both(
                     lambda driven, friction=friction: driven.dissipated - friction * driven.slid,
                     name,
                 ),
@@ -220,13 +220,13 @@ def problems():
         )
         found.append(
             Problem(
-                f"softening, {name}",
-                "peak stress",
-                "Pa",
-                strength,
-                strength_name,
-                dict.fromkeys(SOLVERS, 5e-3),
-                both(lambda driven, which=which: np.max(getattr(driven, which)), name),
+                name=f"softening, {name}",
+                quantity="peak stress",
+                unit="Pa",
+                exact=strength,
+                source=strength_name,
+                tolerance=dict.fromkeys(SOLVERS, 5e-3),
+                solvers=both(lambda driven, which=which: np.max(getattr(driven, which)), name),
             )
         )
     return found

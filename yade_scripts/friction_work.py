@@ -78,7 +78,14 @@ class FrictionWork:
         _Contact."""
         force = phys.shearForce
         slid = geom.shearInc
-        self._watched[joint] = _Contact(geom, force, slid, before, closed, half_compliance)
+        self._watched[joint] = _Contact(
+            geom=geom,
+            force=force,
+            slid=slid,
+            before=before,
+            closed=closed,
+            half_compliance=half_compliance,
+        )
         self._near = None
 
     def forget(self, joint):

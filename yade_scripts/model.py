@@ -403,7 +403,15 @@ def build(layout, dt, corner_depth=0.0):
         _set_bond(bond.phys, layout, index, slope)
     bonding.cohesiveTresholdIteration = 0
     work = FrictionWork(friction)
-    return YadeWall(layout, parts, bonds, newton, law, work, corner_depth)
+    return YadeWall(
+        layout=layout,
+        parts=parts,
+        bonds=bonds,
+        newton=newton,
+        law=law,
+        work=work,
+        corner_depth=corner_depth,
+    )
 
 
 def _set_bond(phys, layout, index, friction):

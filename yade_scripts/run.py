@@ -104,12 +104,12 @@ def _backend(engines):
         return scene.changed_by_hand()
 
     return Backend(
-        "yade",
-        versions,
-        make,
-        Path(__file__).parent,
-        _check,
-        open_view,
+        name="yade",
+        versions=versions,
+        make=make,
+        code=Path(__file__).parent,
+        check=_check,
+        open_view=open_view,
         softening_beta_s=0.0,
         keeps_state=False,
         begins=begins,

@@ -35,17 +35,17 @@ class HouseRows(NamedTuple):
     def of(self, number, body, joint):
         """The rows of a wall, by flags of its bodies and contact points."""
         return HouseRows(
-            0 * self.body_wall[body],
-            0 * self.joint_wall[joint],
-            self.joint_y_m[joint],
-            self.body_y_m[body],
-            self.body_depth_m[body],
-            self.top_displacement_m[:, [number]],
-            self.across_m[:, [number]],
-            self.top_across_m[:, [number]],
-            self.base_acceleration_m_s2,
-            self.failed_ties,
-            self.out_of_plane[:, body],
+            body_wall=0 * self.body_wall[body],
+            joint_wall=0 * self.joint_wall[joint],
+            joint_y_m=self.joint_y_m[joint],
+            body_y_m=self.body_y_m[body],
+            body_depth_m=self.body_depth_m[body],
+            top_displacement_m=self.top_displacement_m[:, [number]],
+            across_m=self.across_m[:, [number]],
+            top_across_m=self.top_across_m[:, [number]],
+            base_acceleration_m_s2=self.base_acceleration_m_s2,
+            failed_ties=self.failed_ties,
+            out_of_plane=self.out_of_plane[:, body],
         )
 
 

@@ -62,10 +62,10 @@ def placing_of(walls):
         Placed(Wall.from_dict(wall["wall"]), wall["origin"], wall["direction"]) for wall in walls
     ]
     return Placing(
-        [wall.wall.name for wall in placed],
-        np.array([wall["left_m"] for wall in walls]),
-        np.array([(*wall.origin, 0.0) for wall in placed]),
-        np.array([wall.axes for wall in placed]),
-        np.array([wall.wall.length for wall in placed]),
-        np.array([wall.wall.brick.thickness for wall in placed]),
+        names=[wall.wall.name for wall in placed],
+        left=np.array([wall["left_m"] for wall in walls]),
+        origin=np.array([(*wall.origin, 0.0) for wall in placed]),
+        axes=np.array([wall.axes for wall in placed]),
+        length=np.array([wall.wall.length for wall in placed]),
+        thickness=np.array([wall.wall.brick.thickness for wall in placed]),
     )

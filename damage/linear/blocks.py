@@ -148,7 +148,15 @@ def factorised(blocks):
     known = np.repeat(np.arange(n), np.diff(start)) * n + below  # rising
     lower[np.searchsorted(known, (j * n + i)[i > j])] = parts[i > j]
     inverse = _factorise(start, below, known, lower, diagonal)
-    return Factor(np.array(order), nodes, start, below, lower, diagonal, inverse)
+    return Factor(
+        order=np.array(order),
+        per_body=nodes,
+        start=start,
+        below=below,
+        lower=lower,
+        diagonal=diagonal,
+        inverse=inverse,
+    )
 
 
 def _elimination(pairs, n):

@@ -231,7 +231,15 @@ def plan_of(backend, wall, settings):
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)
-    return RunPlan(backend, settings, layout, modes, time_step, tuple(repeats), so_far)
+    return RunPlan(
+        backend=backend,
+        settings=settings,
+        layout=layout,
+        modes=modes,
+        time_step=time_step,
+        repeats=tuple(repeats),
+        so_far=so_far,
+    )
 
 
 def _opened(plan, state, parameters, out, write):

@@ -88,13 +88,13 @@ def _simulate(prepared, keep_going, settled):
     try:
         solver = prepared.solver()
         run = Run(
-            layout,
-            prepared.settings,
-            solver,
-            writer,
-            keep_going,
-            settled,
-            prepared.state,
+            layout=layout,
+            settings=prepared.settings,
+            solver=solver,
+            writer=writer,
+            keep_going=keep_going,
+            settled=settled,
+            state=prepared.state,
             checkpoints=prepared.checkpoints,
             resumed=prepared.resumed,
         )

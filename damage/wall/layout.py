@@ -524,13 +524,13 @@ def _make_bodies(plan, options):
     bodies = with_timber_floors(
         plan,
         Bodies(
-            plan.ends.mean(axis=0),
-            (first + last + 1) / 2 * brick.height,
-            length,
-            height,
-            mass,
-            _inertia(mass, length, height),
-            course,
+            x=plan.ends.mean(axis=0),
+            z=(first + last + 1) / 2 * brick.height,
+            length=length,
+            height=height,
+            mass=mass,
+            inertia=_inertia(mass, length, height),
+            course=course,
         ),
     )
     if plan.wall.restraints:

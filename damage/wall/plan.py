@@ -159,14 +159,14 @@ def plan_of(wall, options: ModelOptions | None = None) -> Plan:
     if top_of(wall):
         drift_course = wall.courses // 2
     return Plan(
-        wall,
-        openings,
-        floors,
-        lintels,
-        runs,
-        bricks,
-        _find_piers(wall.length, openings),
-        drift_course,
+        wall=wall,
+        openings=openings,
+        floors=floors,
+        lintels=lintels,
+        runs=runs,
+        bricks=bricks,
+        piers=_find_piers(wall.length, openings),
+        drift_course=drift_course,
     )
 
 

@@ -140,7 +140,12 @@ def brick_modes(brick, length, order=ORDER):
         mass
     )
     return BrickModes(
-        length, height, degrees, frequency[order], vectors.reshape(2, n, -1), elasticity
+        length=length,
+        height=height,
+        degrees=degrees,
+        frequency=frequency[order],
+        coefficients=vectors.reshape(2, n, -1),
+        elasticity=elasticity,
     )
 
 

@@ -233,12 +233,12 @@ def measure(fields, layout, margin=MARGIN):
             drift = float(np.nanmean(top) / layout.drift_height)
         levels.append(
             Measured(
-                np.maximum(opening, 0.0),
-                shear,
-                opening_deviation(motions, layout),
-                motions.noise,
-                drift,
-                motions.motion,
+                opening=np.maximum(opening, 0.0),
+                slip=shear,
+                deviation=opening_deviation(motions, layout),
+                noise=motions.noise,
+                drift_ratio=drift,
+                motion=motions.motion,
             )
         )
     return levels

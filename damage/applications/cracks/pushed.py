@@ -107,15 +107,15 @@ def read_test(specimen):
         return row[[f"{name}{sign}_{unit}" for sign in "+-"]].to_numpy(float) * factor
 
     return LaboratoryTest(
-        specimen,
-        MODES[row["Failure mode"]],
-        float(row["H_m"]),
-        pair("Vmax", "kN", 1e3),
-        pair("dVmax", "pct", 0.01),
-        pair("Vbil", "kN", 1e3),
-        pair("de", "pct", 0.01),
-        pair("du", "pct", 0.01),
-        0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None,
+        specimen=specimen,
+        mode=MODES[row["Failure mode"]],
+        height=float(row["H_m"]),
+        peak_force_n=pair("Vmax", "kN", 1e3),
+        drift_at_peak=pair("dVmax", "pct", 0.01),
+        bilinear_force_n=pair("Vbil", "kN", 1e3),
+        elastic_drift=pair("de", "pct", 0.01),
+        ultimate_drift=pair("du", "pct", 0.01),
+        first_crack=0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None,
     )
 
 

@@ -254,7 +254,14 @@ class Batch:
 
         notes = {run.id: content for run, (_, content) in inputs.items()}
         work_on = partial(work, inputs=notes, processes=self.asked.jobs)
-        pool = Pool(self.asked.jobs, work_on, self.lock, self.folder, say, self._watch)
+        pool = Pool(
+            jobs=self.asked.jobs,
+            work=work_on,
+            lock=self.lock,
+            folder=self.folder,
+            say=say,
+            watch=self._watch,
+        )
         pool.run(
             [
                 task

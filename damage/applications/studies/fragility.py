@@ -402,21 +402,21 @@ def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=
     n, y = counts.sum(axis=(1, 2))
     median, dispersion, why, _ = solve(values, y, n)
     return Fragility(
-        measure,
-        level,
-        median,
-        dispersion,
-        len(runs),
-        int(exceeds.sum()),
-        samples,
-        replicates,
-        len(known),
-        len(walls),
-        intensity,
-        step_of(values, y, n),
-        name,
-        (values, *counts.sum(axis=1)[::-1]),
-        why,
+        measure=measure,
+        level=level,
+        median=median,
+        dispersion=dispersion,
+        n_runs=len(runs),
+        n_exceeding=int(exceeds.sum()),
+        samples=samples,
+        n_replicates=replicates,
+        n_records=len(known),
+        n_walls=len(walls),
+        intensity=intensity,
+        step=step_of(values, y, n),
+        name=name,
+        stripes=(values, *counts.sum(axis=1)[::-1]),
+        why=why,
     )
 
 

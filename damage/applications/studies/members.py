@@ -79,12 +79,12 @@ def _point(wall_file, settings, words):
     alike = {name: value for name, value in option_table(words).items() if name not in OF_MEMBERS}
     given = with_paths(alike | {"scatter": settings.scatter or SCATTER}, os.path.abspath)
     return StudyRun(
-        "members",
-        os.path.abspath(wall_file),
-        tuple(given.items()),
-        BACKEND.name,
-        "seed",
-        settings.members,
+        point="members",
+        wall=os.path.abspath(wall_file),
+        options=tuple(given.items()),
+        solver=BACKEND.name,
+        varied="seed",
+        members=settings.members,
         offset=(settings.seed or 1) - 1,
     )
 

@@ -137,12 +137,12 @@ class Point:
 
     def _task(self, number):
         return Task(
-            self._folder,
-            self.run,
-            number,
-            self._keep == "all" or number == 1,
-            self._keep == "patterns",
-            self._keep == "all" and number == 1,
+            folder=self._folder,
+            point=self.run,
+            number=number,
+            kept=self._keep == "all" or number == 1,
+            patterns=self._keep == "patterns",
+            tables=self._keep == "all" and number == 1,
         )
 
     @property
