@@ -105,8 +105,8 @@ FAULTS = [
                 "law",
                 "slip softens by the tensile fracture energy",
                 "damage/law/joint_law.py",
-                "rate_ii = AREA * parameters.cohesion / parameters.mode_ii_energy",
-                "rate_ii = AREA * parameters.cohesion / parameters.mode_i_energy",
+                "AREA * parameters.cohesion / parameters.mode_ii_energy",
+                "AREA * parameters.cohesion / parameters.mode_i_energy",
                 "test_joint_law",
             ),
             (
@@ -577,8 +577,8 @@ FAULTS = [
                 "lives",
                 "strata count by the lives that ran, not by their probability",
                 "damage/applications/groningen/life/estimate.py",
-                "float(weight @ (found / count))",
-                "float(found.sum() / n)",
+                "float(weight @ (counts / count))",
+                "float(counts.sum() / n)",
                 "test_life",
             ),
             (

@@ -43,11 +43,9 @@ _PARTS = {
     ),
     "model": ("signs", "bonded", "closure"),
     "model.work": ("_rest",),
+    "machine": ("velocity", "place", "rest"),
+    "bearing": ("slip", "friction_j"),
     "": (
-        "_velocity",
-        "_place",
-        "_top_rest",
-        "_top_stiffness",
         "_supports",
         "_support_velocity",
         "_armed",
@@ -55,8 +53,6 @@ _PARTS = {
         "_input_time",
         "_input_energy",
         "clock",
-        "_slip",
-        "_slip_work",
     ),
 }
 """Arrays, lists of numbers and numbers of each part of a solver; arrays keep their identity."""
@@ -123,14 +119,12 @@ def restore(solver, tables):
 
 
 def _attributes(solver):
-    """What _PARTS names: (part, attribute, name of its table) of each, without parts that the
-    solver has not."""
+    """What _PARTS names: (part, attribute, name of its table) of each that the solver has."""
     for path, names in _PARTS.items():
         part = solver
         for step in filter(None, path.split(".")):
             part = getattr(part, step)
-        if part is not None:
-            yield from ((part, name, f"{path}.{name}") for name in names)
+        yield from ((part, name, f"{path}.{name}") for name in names if hasattr(part, name))
 
 
 def _set(owner, name, values):

@@ -20,10 +20,8 @@ from damage.history.schema import JOINTS
 from damage.history.writer import HistoryWriter, layout_tables
 from damage.run.cooperative import take_turns
 from damage.run.prepare import prepare
-from damage.run.progress import attended
 from damage.run.run import Run
-from damage.run.session import simulate
-from damage.start import EXIT_INTERRUPTED
+from damage.run.session import history_of
 from damage.wall.kinds import KINDS
 from yade_scripts.bonds import bonds_by_law
 
@@ -139,13 +137,8 @@ class Scene:
         prepared = self._asked("finish")
         self._finished = True
         backend = replace(prepared.backend, make=lambda *_: self.solver, begins=self._begins)
-        with redirect_stdout(io.StringIO()), attended(self.wall.name, quiet=True) as keep_going:
-            (status,) = take_turns(
-                [simulate(replace(prepared, backend=backend), keep_going, _AtRest(self._settled))]
-            )
-        if status == EXIT_INTERRUPTED:
-            raise KeyboardInterrupt
-        return prepared.writer.history()
+        with redirect_stdout(io.StringIO()):
+            return history_of(replace(prepared, backend=backend), _AtRest(self._settled))
 
     def _begins(self, run):
         self.run = run

@@ -47,6 +47,7 @@ def _run(make_wall, path, engines):
         from damage.run.session import run_session
         from damage.wall.file import wall_of
         from damage.wall.parameters import Wall
+        from yade_scripts.backend import backend_with
         from yade_scripts.opened import Scene, engines_beside, name_of, prompt
     except ImportError as error:
         if not missing_library(error):
@@ -61,7 +62,7 @@ def _run(make_wall, path, engines):
         if beside and "--quiet" not in sys.argv:
             print(f"engines beside the wall's own: {', '.join(map(name_of, beside))}", flush=True)
         return run_session(
-            _backend(beside),
+            backend_with(beside),
             path,
             lambda: wall_of(make_wall, path, (Wall, House)),
             sys.argv[1:],
@@ -75,47 +76,6 @@ def _run(make_wall, path, engines):
     return status
 
 
-def _backend(engines):
-    """The Backend of YADE with these engines beside the wall's own."""
-    import yade
-    from yade import O
-
-    from damage.run.prepare import Backend
-    from yade_scripts.opened import Scene, name_of, prompt
-    from yade_scripts.solver import YadeSolver
-    from yade_scripts.view import open_view
-
-    versions = {"yade": yade.config.version}
-    if engines:
-        versions["yade_engines"] = ", ".join(map(name_of, engines))  # they may have moved the wall
-
-    def make(layout, time_step, settings):
-        solver = YadeSolver(layout, time_step, settings.new_contacts)
-        Scene(layout, solver, settings.console)
-        # at the end of a step positions and forces are of the same time
-        O.engines = [*O.engines, *engines]
-        return solver
-
-    def begins(run):
-        scene = Scene.current
-        scene.run = run
-        if scene.console == "before":
-            prompt(scene, "before", "; the run follows")
-        return scene.changed_by_hand()
-
-    return Backend(
-        name="yade",
-        versions=versions,
-        make=make,
-        code=Path(__file__).parent,
-        check=_check,
-        open_view=open_view,
-        softening_beta_s=0.0,
-        keeps_state=False,
-        begins=begins,
-    )
-
-
 def open_wall(wall, engines, options):
     """Implementation of `yade_scripts.open_scene`."""
     import damage.applications  # noqa: F401, each adds its options
@@ -123,6 +83,7 @@ def open_wall(wall, engines, options):
     from damage.run.options import settings_of
     from damage.wall.file import load_wall, wall_path
     from damage.wall.parameters import Wall
+    from yade_scripts.backend import backend_with
     from yade_scripts.leaving import close_with_a_word
     from yade_scripts.opened import engines_beside, open_scene
 
@@ -138,25 +99,5 @@ def open_wall(wall, engines, options):
             " its motion; leave them out: YADE's prompt follows the script"
         )
     return open_scene(
-        _backend(engines_beside(engines)), settings, file, load_wall(file) if file else wall
+        backend_with(engines_beside(engines)), settings, file, load_wall(file) if file else wall
     )
-
-
-def _check(settings, wall):
-    from yade_scripts.joint_tracker import check_law
-
-    check_law(wall.joint)
-    if settings.model.has_modes:
-        raise InputError(
-            "--bricks deformable: YADE moves rigid bodies, without strain modes; leave it out, or"
-            " use the reference solver: python3 -m damage reference"
-        )
-    for option, given in (
-        ("--soil-velocity", settings.model.soil_velocity),
-        ("--beta", settings.beta_s),
-    ):
-        if given:
-            raise InputError(
-                f"{option} {given:g}: YADE's joint law has no viscous damping; leave it out, or use"
-                " the reference solver: python3 -m damage reference"
-            )

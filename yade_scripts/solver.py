@@ -16,13 +16,12 @@ from damage.index import THRESHOLD
 from damage.law.joint_law import SHEAR, TENSION
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
-from damage.units import GRAVITY
-from damage.wall.kinds import CAP_COURSE
 from damage.wall.kinematics import CORNER_RADIUS
 from damage.wall.restraints import top_of
 from yade_scripts import checkpoint
 from yade_scripts.bonds import Bonds
 from yade_scripts.crushing import Crushing
+from yade_scripts.devices import Bearing, DrivenBodies, SpreaderBeam
 from yade_scripts.joint_tracker import JointTracker, signed
 from yade_scripts.model import build
 from yade_scripts.ties import Ties
@@ -65,24 +64,12 @@ class YadeSolver(Solver):
         self.ties = Ties(self.scene)
         self._base = NO_MOTION
         self._gravity = np.zeros(1)
-        # bodies whose horizontal velocity is prescribed [m/s]
-        self._held = None
-        self._velocity = 0.0
-        # of a spreader beam: shares of these bodies, where it will be after the next step [m]
-        self._shares = None
-        self._place = 0.0
-        # of rotational springs on these, and where they have no moment
-        self._top_stiffness = 0.0
-        self._top_rest = 0.0
         # Displacement and velocity of the supports' reference points [m, m, rad, and per second].
         self._supports, self._support_velocity = np.zeros((2, len(layout.supports), 3))
-        # of its bearing [m], [J]
-        self._restraint = top_of(layout.wall)
-        self._slip = 0.0
-        self._slip_work = 0.0
-        self._beam = (
-            np.flatnonzero(layout.bodies.course == CAP_COURSE)[-1] if self._restraint else None
-        )
+        # by which a machine pushes the top; under a restrained one
+        self.machine = None
+        top = top_of(layout.wall)
+        self.bearing = top and Bearing(self, top)
         self._sample_steps = self._on_samples = self._raised = None
         self._events = []
         self._armed = False
@@ -128,108 +115,15 @@ class YadeSolver(Solver):
         self.scene.set_velocities(velocities)
 
     def hold(self, bodies, rotation, stiffness=0.0):
-        self._held = np.sort(bodies)
-        self._top_stiffness = stiffness
-        self._top_rest = self._held_rotations()
-        for body in bodies:
-            self.scene.states[body].blockedDOFs = "xyXYZ" if rotation else "xyXZ"
-        self.scene.follows[np.ix_(bodies, [0, 2] if rotation else [0])] = 0.0
+        self.machine = DrivenBodies(self, bodies, rotation, stiffness)
 
     def spread(self, shares):
-        self._held = np.flatnonzero(shares)
-        self._shares = shares[self._held]
-        self._place = float(self._shares @ self.scene.pushed(self._held))
-
-    def _spread(self):
-        """Add the force of the spreader beam to those of the next step, after which the mean
-        displacement of its bodies by their shares is that of the machine; damped by YADE's rule."""
-        dt = self.time_step
-        held_force = self._held
-        shares = self._shares
-        scene = self.scene
-        mass = self.layout.bodies.mass[held_force]
-        place = scene.pushed(held_force)
-        axis = scene.push_axis
-        speed = np.array([scene.states[body].vel.dot(axis) for body in held_force])
-        forces = np.array(
-            [
-                sum(O.forces.f(cell, True).dot(axis) for cell in scene.members[body])
-                for body in held_force
-            ]
-        )
-        force = self._push_force()
-        change = (self._place - shares @ place) / dt - shares @ speed
-        for _ in range(4):
-            rate = (forces + shares * force) / mass
-            damped = 1 - self.model.newton.damping * np.sign(rate * (speed + dt / 2 * rate))
-            force = (change / dt - shares @ (damped * forces / mass)) / (
-                shares @ (damped * shares / mass)
-            )
-        self._place += dt * self._velocity
-        self.scene.on_top[held_force, 0] = shares * force
-        for body, share in zip(held_force, shares):
-            O.forces.addF(self.model.clumps[body], float(share * force) * axis)
-
-    def _held_rotations(self):
-        """Rotations of the held bodies [rad]."""
-        return self.scene.motion(self._held)[self._held, 2]
-
-    def _load_top(self):
-        """Add the moments of rotational springs, and the forces of a restrained top, to those of
-        the next step."""
-        if self._top_stiffness:
-            for body, angle in zip(self._held, self._held_rotations() - self._top_rest):
-                O.forces.addT(self.model.clumps[body], Vector3(0, self._top_stiffness * angle, 0))
-        if self._restraint:
-            self._hold_top()
-        if self._shares is not None:
-            self._spread()
-
-    def _hold_top(self):
-        """Add the forces of a restraint's bearing and of its constant load to those of the next
-        step."""
-        top = self._restraint
-        force = np.zeros(3)
-        weight = -self.model.newton.gravity[2] - self._base_now()[1]
-        force[1] = -weight * self.layout.load_mass[self._beam]
-        if top.stiffness:
-            before = self.scene.on_top[self._beam, 0]
-            place = self.scene.states[self._beam].pos[0]
-            place -= self.layout.bodies.x[self._beam]
-            slip = top.slip(place, self._slip, GRAVITY * self.layout.top_mass)
-            force[0] = -top.stiffness * (place - slip)
-            self._slip_work -= 0.5 * (before + force[0]) * (slip - self._slip)
-            self._slip = slip
-        self.scene.on_top[self._beam] = force
-        O.forces.addF(self.model.clumps[self._beam], Vector3(force[0], 0, force[1]))
-
-    def _in_bearing(self):
-        """Elastic energy of a restraint's bearing [J]."""
-        if not (self._restraint and self._restraint.stiffness):
-            return 0.0
-        return 0.5 * self.scene.on_top[self._beam, 0] ** 2 / self._restraint.stiffness
-
-    def _in_springs(self):
-        """Energy in the rotational springs at the top [J]; what they hold, the machine did not put
-        into the wall."""
-        if not self._top_stiffness:
-            return 0.0
-        return (
-            0.5
-            * self._top_stiffness
-            * float(np.sum((self._held_rotations() - self._top_rest) ** 2))
-        )
+        self.machine = SpreaderBeam(self, shares)
 
     def push(self, velocity):
         """Prescribe the horizontal velocity of the held bodies [m/s]; the change of kinetic energy
         is input."""
-        old = self._velocity
-        self._velocity = float(velocity)
-        for body in self._held if self._shares is None else ():
-            state = self.scene.states[body]
-            state.vel = (self._velocity, state.vel[1], state.vel[2])
-        mass = float(self.layout.bodies.mass[self._held].sum()) * (self._shares is None)
-        self._input_energy += 0.5 * mass * (self._velocity**2 - old**2)
+        self._input_energy += self.machine.push(velocity)
         self._input_power = self._power()
 
     def move_supports(self, velocities):
@@ -287,7 +181,8 @@ class YadeSolver(Solver):
             self._supports += self.time_step * self._support_velocity
             self._set_support_velocities()
         self._set_field()
-        self._load_top()
+        for device in filter(None, (self.bearing, self.machine)):
+            device.add_forces()
         try:
             self.model.work.step(anew=self.clock % FOLLOW_STEPS == 0)
             failed, passed = self.scene.beyond_strength()
@@ -308,11 +203,11 @@ class YadeSolver(Solver):
 
     def _set_field(self):
         """Set the acceleration of all masses in the next step, in the frame of the base."""
-        ax, az, ay = self._base_now()
+        ax, az, ay = self.base_now()
         gravity = self._gravity[min(self.clock, len(self._gravity) - 1)]
         self.model.newton.gravity = (-float(ax), -float(ay), -float(gravity) - float(az))
 
-    def _base_now(self):
+    def base_now(self):
         """Acceleration of the base along x and z now, and in a house along y [m/s2]."""
         if self.clock >= len(self._base):
             return 0.0, 0.0, 0.0
@@ -408,12 +303,12 @@ class YadeSolver(Solver):
     def _power(self):
         """Power of the pushed top, of the supports, and of the inertia forces in the frame of the
         base [W]."""
-        base = self._base_now()
+        base = self.base_now()
         power = -sum(
             float(base[axis]) * self._momentum(axis) for axis in range(3) if base[axis] != 0
         )
-        if self._held is not None:
-            power += self._push_force() * self._velocity
+        if self.machine:
+            power += self.machine.force * self.machine.velocity
         if self._support_velocity.any():
             power -= float(
                 np.sum(self.scene.support_forces(self._supports) * self._support_velocity)
@@ -434,15 +329,6 @@ class YadeSolver(Solver):
         velocities = np.array([state.vel[coordinate] for state in scene.states])
         return float(total(mass * velocities) + self.time_step / 2 * (force + mass.sum() * gravity))
 
-    def _push_force(self):
-        """Horizontal force on the held bodies by their prescribed motion [N]: minus that of the
-        joints on them; or that of the spreader beam."""
-        if self._shares is not None:
-            return float(self.scene.on_top[self._held, 0].sum())
-        return -sum(
-            O.forces.f(cell, True)[0] for body in self._held for cell in self.scene.members[body]
-        )
-
     # --- results --------------------------------------------------------------------------------
 
     def instants(self):
@@ -452,8 +338,12 @@ class YadeSolver(Solver):
         the weights that balance them, so that the run computes it from the energy balance.
         """
         tracker = self.tracker
-        friction = self.model.work.total + tracker.breaking_energy + self._slip_work
-        kinetic = self.scene.kinetic_energy(self.time_step / 2, self._base_now())
+        friction = self.model.work.total + tracker.breaking_energy
+        elastic = self.scene.elastic_energy(tracker.broken)
+        if self.bearing:
+            friction += self.bearing.friction_j
+            elastic += self.bearing.elastic_j
+        kinetic = self.scene.kinetic_energy(self.time_step / 2, self.base_now())
         motion = self.scene.motion()
         return Instants.one(
             clock=self.clock,
@@ -464,10 +354,11 @@ class YadeSolver(Solver):
             support_force=self.scene.support_forces(self._supports),
             joints=slice(None),
             contacts=tracker.contact_data(),
-            top_force_n=np.nan if self._held is None else self._push_force(),
+            top_force_n=self.machine.force if self.machine else np.nan,
             kinetic_j=kinetic,
-            elastic_j=self.scene.elastic_energy(tracker.broken) + self._in_bearing(),
-            input_j=self._input_energy - self._in_springs(),
+            elastic_j=elastic,
+            # what springs hold, the machine did not put into the wall
+            input_j=self._input_energy - (self.machine.elastic_j if self.machine else 0.0),
             friction_j=friction,
             fracture_j=tracker.fracture_energy,
             damping_j=None,
@@ -488,12 +379,8 @@ class YadeSolver(Solver):
         checkpoint.restore(self, state)
         self.clock = 0
         self._input_time = 0.0
-        # nothing holds the top of this run yet
-        self._velocity = 0.0
-        self._top_stiffness = 0.0
-        self._top_rest = 0.0
         self.scene.follows[...] = np.where(self.layout.held, 0.0, 1.0)
-        if not self._restraint:
+        if not self.bearing:
             self.scene.on_top[...] = 0.0
         for one, dofs in zip(self.scene.states, blocked):
             one.blockedDOFs = dofs

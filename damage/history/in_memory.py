@@ -7,14 +7,13 @@ from functools import partial
 import numpy as np
 
 from damage.history import schema
-from damage.history.buffer import Buffer
 from damage.history.reader import history_of, read_history
 from damage.history.writer import (
     File,
+    HistoryWriter,
     add_parameters,
     growing_columns,
     layout_tables,
-    run_attributes,
 )
 
 MOST_BYTES = 10_000_000
@@ -134,13 +133,19 @@ def _together(parts, none):
     return rows
 
 
-class HistoryInMemory(Buffer):
+class HistoryInMemory(HistoryWriter):
     """Replaces a HistoryWriter: a run that fails, is interrupted or grows too large leaves the same
     file as that."""
 
-    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
-        attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(
-            layout,
-            Memory(path, layout, attributes, partial(File, path, layout, attributes, overwrite)),
-        )
+    @staticmethod
+    def sinks(path, layout, attributes, overwrite):
+        new_file = partial(File, path, layout, attributes, overwrite)
+        return [Memory(path, layout, attributes, new_file)]
+
+
+class HistoryKept(HistoryWriter):
+    """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
+
+    @staticmethod
+    def sinks(path, layout, attributes, overwrite):
+        return [File(path, layout, attributes, overwrite), Memory(path, layout, attributes)]

@@ -167,21 +167,16 @@ class HistoryWriter(Buffer):
     defines the run, with its `command` where it is not that of this process.
     solver: "yade" or "reference"; versions: {software: version}, with "masonry-damage" and "model",
     the digest of the model's code, where they are known.
-    file: its File.
     """
 
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, File(path, layout, attributes, overwrite))
-        (self.file,) = self._sinks
+        super().__init__(layout, *self.sinks(path, layout, attributes, overwrite))
 
-    @classmethod
-    def of(cls, layout, file):
-        """The writer that continues a File."""
-        writer = cls.__new__(cls)
-        super(HistoryWriter, writer).__init__(layout, file, active=file.active())
-        writer.file = file
-        return writer
+    @staticmethod
+    def sinks(path, layout, attributes, overwrite):
+        """What keeps it, as of Buffer."""
+        return [File(path, layout, attributes, overwrite)]
 
 
 def check_output(path, overwrite=False):

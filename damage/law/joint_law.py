@@ -419,32 +419,13 @@ def soften(
 ) -> tuple[ContactState, int]:
     """State of a softening bond beyond its strengths, (S1) to (S5); returns as `advance`.
 
-    opening: at the end of the step [m]; trial: elastic shear stress there [Pa].  kappa after the
-    step is the smallest solution of the implicit equation kappa = grown(kappa).  `grown` increases
-    with kappa, so that fixed-point iteration from the old kappa converges to it from below; where
-    its steps more than halve, Aitken's extrapolation follows two of them.  A solution exists for
-    all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may jump.
+    opening: at the end of the step [m]; trial: elastic shear stress there [Pa].
     """
     kn = parameters.normal_stiffness
     ks = parameters.shear_stiffness
-    rate_i = AREA * parameters.tensile_strength / parameters.mode_i_energy
-    rate_ii = AREA * parameters.cohesion / parameters.mode_ii_energy
-    kappa = state.kappa
-    step = 0.0
-    share = old_share = share_left(kappa, parameters.material)
-    for _ in range(200):
-        sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
-        grown = state.kappa + rate_i * (gap - state.gap) + rate_ii * (abs(trial) - tau) / ks
-        before = step
-        step = grown - kappa
-        if abs(step) <= 1e-13 * (1.0 + kappa):
-            break
-        kappa = grown
-        if 0.0 < step < 0.5 * before:
-            kappa += step * step / (before - step)
-            step = 0.0
-        share = share_left(kappa, parameters.material)
-
+    rate_i, rate_ii = softening_rates(parameters)
+    kappa, share, sigma, gap, tau = softened(opening, trial, state, parameters)
+    old_share = share_left(state.kappa, parameters.material)
     event = INTACT
     if share <= GONE:
         event = SHEAR if rate_ii * (abs(trial) - tau) / ks > rate_i * (gap - state.gap) else TENSION
@@ -483,6 +464,47 @@ def soften(
         ),
         event,
     )
+
+
+@register_jitable
+def softening_rates(parameters: LawParameters) -> tuple[float, float]:
+    """Increments of kappa by inelastic opening and by inelastic slip, (S3) [1/m]."""
+    return (
+        AREA * parameters.tensile_strength / parameters.mode_i_energy,
+        AREA * parameters.cohesion / parameters.mode_ii_energy,
+    )
+
+
+@register_jitable
+def softened(
+    opening: float, trial: float, state: ContactState, parameters: LawParameters
+) -> tuple[float, float, float, float, float]:
+    """kappa after the step [-], the share of the strengths there [-], and with it
+    `on_the_envelope`; arguments as of `soften`.
+
+    kappa is the smallest solution of the implicit equation kappa = grown(kappa).  `grown` increases
+    with kappa, so that fixed-point iteration from the old kappa converges to it from below; where
+    its steps more than halve, Aitken's extrapolation follows two of them.  A solution exists for
+    all fracture energies; below f_t^2 / k_n or c^2 / k_s (snap-back) it may jump.
+    """
+    rate_i, rate_ii = softening_rates(parameters)
+    ks = parameters.shear_stiffness
+    kappa = state.kappa
+    share = share_left(kappa, parameters.material)
+    step = 0.0
+    for _ in range(200):
+        sigma, gap, tau = on_the_envelope(share, opening, trial, state.gap, parameters)
+        grown = state.kappa + rate_i * (gap - state.gap) + rate_ii * (abs(trial) - tau) / ks
+        before = step
+        step = grown - kappa
+        if abs(step) <= 1e-13 * (1.0 + kappa):
+            break
+        kappa = grown
+        if 0.0 < step < 0.5 * before:
+            kappa += step * step / (before - step)
+            step = 0.0
+        share = share_left(kappa, parameters.material)
+    return kappa, share, sigma, gap, tau
 
 
 @register_jitable

@@ -18,13 +18,10 @@ from damage.motion.loading import Loading, Recorded
 from damage.motion.record import Record
 from damage.provenance import shown_path
 from damage.reference.session import BACKEND, PROG
-from damage.run.cooperative import take_turns
 from damage.run.options import settings_of
 from damage.run.paths import free_name, pictures_folder
 from damage.run.prepare import prepare
-from damage.run.progress import attended
-from damage.run.session import simulate
-from damage.start import EXIT_INTERRUPTED
+from damage.run.session import history_of
 from damage.wall.file import load_wall, wall_path
 from damage.wall.parameters import Wall
 
@@ -60,11 +57,7 @@ def _run(wall, motion, options):
             write = HistoryInMemory
             settings = replace(settings, out=path)
         prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
-        with attended(built.name, quiet=settings.quiet) as keep_going:
-            (status,) = take_turns([simulate(prepared, keep_going)])
-        if status == EXIT_INTERRUPTED:
-            raise KeyboardInterrupt
-        history = prepared.writer.history()
+        history = history_of(prepared)
     if settings.pictures:
         from damage.draw.run import save_all
 

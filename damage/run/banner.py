@@ -1,11 +1,17 @@
-"""Lines at the start of a run: sizes, masses in t, strengths in MPa, the first period."""
+"""What is said at the start of a run: sizes, masses in t, strengths in MPa, the first period, and
+what is doubtful."""
 
 import math
 
-from damage.motion.intensity import late_lines
+from damage.errors import warn
+from damage.house.meeting import warn_of_lone_walls
+from damage.motion.intensity import drift_warnings, end_warnings, late_lines
+from damage.motion.loading import Recorded
+from damage.motion.plausible import faint_warnings, record_warnings
 from damage.motion.record import FINER
 from damage.motion.settlement import FASTEST_M_S
-from damage.run.schedule import sample_steps, stages
+from damage.run.schedule import deformable_warnings, sample_steps, softening_warnings, stages
+from damage.run.scheme import scaling_warnings
 from damage.wall.as_built import (
     describe_floors,
     describe_lintels,
@@ -18,6 +24,46 @@ from damage.wall.lintels import describe_share, elastic_share
 
 MEGA = 1e6
 TONNE = 1e3
+
+
+def announce(plan):
+    """Print what a damage.run.prepare.RunPlan will be, and warn of what is doubtful in it."""
+    settings = plan.settings
+    wall = plan.layout.wall
+    loading = plan.settings.loading
+    warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
+    warn(*scaling_warnings(settings, wall), code="mass_scaling")
+    if settings.recorded:
+        warn(*faint_warnings(settings.peak_g), code="faint_motion")
+    for text in dict.fromkeys(
+        text for event in settings.recorded for text in record_warnings(event.loading)
+    ):
+        warn(text, code="record")
+    if isinstance(loading, Recorded) and not settings.events:
+        warn(*end_warnings(loading.applied()), code="end_velocity")
+        warn(*drift_warnings(loading), code="drift")
+    if wall.joint.softens:
+        warn(
+            *softening_warnings(
+                settings,
+                plan.time_step,
+                plan.modes.critical_time_step_s,
+                plan.backend.softening_beta_s,
+            ),
+            code="softening_step",
+        )
+    warn(*warn_of_lone_walls(plan.layout.building), code="lone_walls")
+    lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
+    print(
+        *lines,
+        *settlement_lines(settings, plan.layout),
+        *event_lines(settings),
+        *record_lines(settings),
+        *sequence_lines(settings),
+        *stress_lines(settings, plan.layout, plan.time_step),
+        sep="\n",
+        flush=True,
+    )
 
 
 def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError, one_line, warn
+from damage.history.buffer import Buffer
 from damage.history.reader import opened, read_history
-from damage.history.writer import File, HistoryWriter, lock
+from damage.history.writer import File, lock
 from damage.run.initial_state import as_bytes, read_earlier, unpacked
 
 _HEAD = b"masonry-damage-checkpoint 1 sha256 "
@@ -123,8 +124,8 @@ def schemes_left(path, schemes):
 
 
 def resumed(path, layout, parameters, origin, scene):
-    """What a run needs to continue from its checkpoint, (HistoryWriter, tables of the checkpoint);
-    path: its history.
+    """What a run needs to continue from its checkpoint, (Buffer, tables of the checkpoint); path:
+    its history.
 
     layout, parameters: of the run, which have to be those of the history; scene: as of
     `read_checkpoint`; origin: as of `damage.run.initial_state.read_earlier`.  Raises InputError.
@@ -165,7 +166,7 @@ def _checkpoint_beside(history, option, scene=True, again="run it again"):
 
 
 def _continued(path, layout, counts, attributes):
-    """A HistoryWriter that continues the history at `path` after so many rows of each group of
+    """A Buffer that continues the history at `path` after so many rows of each group of
     GROWING.
 
     What the file holds up to there is copied into a new one, which takes its place once it is
@@ -183,7 +184,7 @@ def _continued(path, layout, counts, attributes):
             raise
     file.path = path
     file.where = str(path)
-    return HistoryWriter.of(layout, file)
+    return Buffer(layout, file, active=file.active())
 
 
 def read_end(path, layout, origin, time_step):

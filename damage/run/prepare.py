@@ -5,34 +5,23 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from damage.errors import warn
 from damage.history.buffer import Buffer
 from damage.history.writer import HistoryWriter, check_output
 from damage.house.coarser import in_units
 from damage.house.drawn import drawn, ranges
 from damage.house.layout import lay_out_building
-from damage.house.meeting import warn_of_lone_walls
 from damage.linear.modes import Modes, natural_modes
 from damage.measure.evidence import evidence_for, outside
-from damage.motion.intensity import applied_measures, drift_warnings, end_warnings
-from damage.motion.loading import Recorded
-from damage.motion.plausible import faint_warnings, record_warnings
+from damage.motion.intensity import applied_measures
 from damage.provenance import file_origin, versions
-from damage.run.banner import (
-    event_lines,
-    record_lines,
-    sequence_lines,
-    settlement_lines,
-    stress_lines,
-    wall_lines,
-)
+from damage.run.banner import announce
 from damage.run.checkpoint import Checkpoints, read_end, resumed, schemes_left
 from damage.run.initial_state import read_state, without_bond
 from damage.run.monitor import DROP, FAILURE
 from damage.run.paths import free_name
 from damage.run.report import check_pictures
-from damage.run.schedule import check_size, check_top, deformable_warnings, softening_warnings
-from damage.run.scheme import scaling_warnings, schemes
+from damage.run.schedule import check_size, check_top
+from damage.run.scheme import schemes
 from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.wall.layout import Layout
 from damage.wall.soil import fastest_decay
@@ -283,43 +272,3 @@ def _laid_out(wall, settings):
     if settings.settlement:
         settings.settlement.check_length(float(layout.ground.right.max()))
     return layout
-
-
-def announce(plan):
-    """Print what a RunPlan will be, and warn of what is doubtful in it."""
-    settings = plan.settings
-    wall = plan.layout.wall
-    loading = plan.settings.loading
-    warn(*deformable_warnings(settings.model, wall), code="deformable_bricks")
-    warn(*scaling_warnings(settings, wall), code="mass_scaling")
-    if settings.recorded:
-        warn(*faint_warnings(settings.peak_g), code="faint_motion")
-    for text in dict.fromkeys(
-        text for event in settings.recorded for text in record_warnings(event.loading)
-    ):
-        warn(text, code="record")
-    if isinstance(loading, Recorded) and not settings.events:
-        warn(*end_warnings(loading.applied()), code="end_velocity")
-        warn(*drift_warnings(loading), code="drift")
-    if wall.joint.softens:
-        warn(
-            *softening_warnings(
-                settings,
-                plan.time_step,
-                plan.modes.critical_time_step_s,
-                plan.backend.softening_beta_s,
-            ),
-            code="softening_step",
-        )
-    warn(*warn_of_lone_walls(plan.layout.building), code="lone_walls")
-    lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
-    print(
-        *lines,
-        *settlement_lines(settings, plan.layout),
-        *event_lines(settings),
-        *record_lines(settings),
-        *sequence_lines(settings),
-        *stress_lines(settings, plan.layout, plan.time_step),
-        sep="\n",
-        flush=True,
-    )

@@ -1,20 +1,18 @@
-"""One wall under one loading, with any solver: static stage, events or a push, samples into a
-history."""
+"""One wall under one loading, with any solver: static stage, events or a push."""
 
 import math
 from functools import cached_property
 
 import numpy as np
 
-from damage.elementary import total
 from damage.errors import RunError
 from damage.history.buffer import SNAPSHOT_SAMPLES
 from damage.linear.modes import first_mode, mass_vector, natural_modes
-from damage.measure.energy import Balance, noise_j
 from damage.measure.warnings import AT_REST
 from damage.motion.loading import mean_velocities
 from damage.run import monitor, schedule
-from damage.run.initial_state import as_bytes, with_zero, zero_of
+from damage.run.initial_state import as_bytes
+from damage.run.sampler import Sampler
 from damage.run.settings import (
     ADAPTIVE_DAMPING,
     AFTER_FALL_S,
@@ -29,7 +27,6 @@ from damage.run.settings import (
 )
 from damage.run.solver import LOOK_STEPS, MOST_WORK, NO_MOTION
 from damage.units import GRAVITY
-from damage.wall.strain import stress_by_modes
 
 
 class Run:
@@ -45,8 +42,8 @@ class Run:
     (`damage.run.initial_state.read_state`, `damage.run.checkpoint.read_end`), which this one
     continues in place of the static stage; checkpoints: damage.run.checkpoint.Checkpoints, or None;
     resumed: tables of the checkpoint of this very run from which it continues, or None. stage,
-    index, time, collapsed_at_s: where the run is; rests_at_s: since when bricks rest that were
-    followed.
+    index, time: where the run is; sampler: damage.run.sampler.Sampler; rests_at_s: since when
+    bricks rest that were followed.
     """
 
     def __init__(
@@ -73,38 +70,21 @@ class Run:
         self._resumed = resumed
         self._number = -1  # of the stage, in a checkpoint
         self.stage = "static"
-        self.collapsed_at_s = None
         self.rests_at_s = None
-        self._samples = 0
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self._zero_step = schedule.zero_step(self.stages)
+        self.sampler = Sampler(layout, settings, solver, writer, state, self._zero_step)
         # (velocities in each interval, what moves by them, first interval)
-        self.base = NO_MOTION
         self._prescribed = []
-        moves = settings.ground_moves or bool(state and state["base_moves"])
-        self._base_motions = [monitor.BaseMotion(layout, *base) for base in layout.bases if moves]
-        self._zero = None  # instant at the end of the static stage
-        # at time zero; energy that came in with it
+        # at time zero
         self._modal_velocity = None
-        self._set_in_motion_j = 0.0
-        # snapshot of the last sample: of what else is kept all samples share the memory
-        self._last = None
-        self._stress = stress_by_modes(layout) if settings.model.has_modes else None
-        # motion at the end of settling, or where a push begins
-        self._lowest = monitor.lowest_places(layout)
-        self._at_rest = 0.0
-        self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
-        # (time [s], unbalanced force) in the static stage
         solver.with_stresses = settings.stresses
+        # (time [s], unbalanced force) in the static stage
         self._looks = []
         # Short steps make a ramp long; weight that came at once would make deformable bricks ring,
         # and joints fail.
         self._ramp_s = 0.0 if settings.model.has_modes else RAMP_S
-        self._balance_j, self._damped_j = (
-            state["inferred_j"] if state and "inferred_j" in state else (0.0, 0.0)
-        )
-        self._balance = Balance(noise_j(layout.total_mass, layout.wall.built_height))
 
     @cached_property
     def _period_s(self):
@@ -137,21 +117,12 @@ class Run:
     @property
     def index(self):
         """The damage index now."""
-        now = self.solver.instants()
-        _, drift = self._top_and_drift(self._motion(now))
-        return monitor.index_now(
-            self.layout,
-            drift[-1],
-            now.joints,
-            now.contacts["opening_m"][-1],
-            now.contacts["offset_m"][-1],
-        )
+        return self.sampler.index(self.solver.instants())
 
     @property
-    def energy_error(self):
-        """Energy balance error of the samples so far, `damage.measure.energy.energy_error` [-],
-        None where hardly anything came in."""
-        return self._balance.error
+    def collapsed_at_s(self):
+        """When the first brick had fallen [s], None where none has."""
+        return self.sampler.collapsed_at_s
 
     @property
     def duration_s(self):
@@ -198,7 +169,7 @@ class Run:
             broken_joints=int(np.sum(now.contacts["state"] > 0)),
             duration_s=self.time,
         )
-        self._write_events(events, since=-solver.clock)
+        self.sampler.write_events(events, since=-solver.clock)
         return True
 
     def _advance_to_rest(self):
@@ -219,7 +190,7 @@ class Run:
         solver = self.solver
         drive = self.settings.loading.drive
         settlement = self.settings.settlement
-        self.base = schedule.base_acceleration(
+        base = schedule.base_acceleration(
             self.settings, self.stages, solver.time_step, self.layout.MOTION_AXES
         )
         speed = drive.first_mode_m_s
@@ -230,7 +201,7 @@ class Run:
         )
         if self._state is None:
             solver.set_velocities(0 * self._modal_velocity if settlement else self._modal_velocity)
-        solver.start(self.base, np.array([GRAVITY]))
+        solver.start(base, np.array([GRAVITY]))
         if self._state is not None:
             solver.resume(self._state)
         if not settlement:
@@ -238,36 +209,21 @@ class Run:
         interval_s = self.sample_steps * solver.time_step
         zero = self._zero_step // self.sample_steps
         interval = interval_s, self.stages[-1].end_step // self.sample_steps - zero
+        top = mean_velocities(drive.top, *interval, self.layout.height_of_push(drive.floor_shares))
+        supports = mean_velocities(drive.supports, *interval, self.layout.supports.x)
+        ground = settlement and settlement.velocities(interval_s, zero, self.layout.ground)
         self._prescribed = [
             (velocities, move, first)
             for velocities, move, first in (
-                (
-                    mean_velocities(
-                        drive.top, *interval, self.layout.height_of_push(drive.floor_shares)
-                    ),
-                    solver.push,
-                    zero,
-                ),
-                (
-                    mean_velocities(drive.supports, *interval, self.layout.supports.x),
-                    solver.move_supports,
-                    zero,
-                ),
-                (
-                    settlement and settlement.velocities(interval_s, zero, self.layout.ground),
-                    solver.move_supports,
-                    0,
-                ),
+                (top, solver.push, zero),
+                (supports, solver.move_supports, zero),
+                (ground, solver.move_supports, 0),
             )
             if velocities is not None
         ]
-        now = self._zero = solver.instants()
-        if self._state is not None:
-            self._zero = zero_of(self._state, now)
-            self._set_in_motion_j = float(self._state["set_in_motion_j"])
+        self.sampler.begin(base, self._state)
         if drive.top:  # a push begins where the wall stands, which may continue another run
-            self._at_rest = self._motion(now)
-        self._last = self._snapshot(0.0, now, self._motion(now), -1)
+            self.sampler.at_rest = self.sampler.last[1]
         self.stage = self.stages[0].name
         if self._resumed is not None and self._resumed["stage"] >= 0:
             self._restore(self._resumed)
@@ -292,11 +248,11 @@ class Run:
         self._check_rest()
         now = solver.instants()
         before = now.kinetic_j[0]
-        self._at_rest = self._motion(now)
+        self.sampler.at_rest = self.sampler.motion(now)
         solver.set_velocities(self._modal_velocity)
         self._take_hold()
-        self._set_in_motion_j += float(solver.instants().kinetic_j[0] - before)
-        self._prescribe(self._samples - 1)  # what waited for this
+        self.sampler.set_in_motion_j += float(solver.instants().kinetic_j[0] - before)
+        self._prescribe(self.sampler.count - 1)  # what waited for this
 
     def _check_rest(self):
         unbalanced = self._unbalanced_force()
@@ -312,11 +268,11 @@ class Run:
         finished = yield from self._run_stages()
         if finished and not self.settings.loading.moves:
             self._check_rest()
-        self._write_events(self.solver.drain_events())
-        self.writer.snapshot(*self._last)
+        self.sampler.write_events(self.solver.drain_events())
+        self.writer.snapshot(*self.sampler.last)
         if finished and self.collapsed_at_s is None:
             if self.writer.keeps_state and (state := self.solver.saved_state()) is not None:
-                self.writer.keep_state(as_bytes(state | self._carried))
+                self.writer.keep_state(as_bytes(state | self.sampler.carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
         if self.collapsed_at_s is not None and self.settings.after_fall:
@@ -325,39 +281,16 @@ class Run:
 
     def tables(self):
         """Everything that the next steps depend on, {name: array}: a checkpoint."""
-        now = self.solver.instants()
-        time_s, *last = self._last or self._snapshot(0.0, now, now.displacement, 0)
-        return (
-            self.solver.checkpoint()
-            | self._carried
-            | {
-                "stage": np.array(self._number),
-                "samples": np.array(self._samples),
-                "last_time_s": np.array(float(time_s)),
-                **{f"last_{k}": np.asarray(values, float) for k, values in enumerate(last)},
-                "inferred_j": np.array([self._balance_j, self._damped_j], float),
-                "balance": self._balance.state,
-                "at_rest": np.zeros_like(now.displacement) + self._at_rest,
-            }
-        )
+        return self.solver.checkpoint() | self.sampler.tables() | {"stage": np.array(self._number)}
 
     def _restore(self, tables):
         """Go back to where a checkpoint was written after the static stage."""
         self._number = int(tables["stage"])
-        self._samples = int(tables["samples"])
         self.stage = self.stages[self._number].name
         if self.settings.settlement and self._number > 0:
             self._take_hold()
         self.solver.restore(tables)
-        self._zero = zero_of(tables, self._zero)
-        self._set_in_motion_j = float(tables["set_in_motion_j"])
-        self._last = (
-            float(tables["last_time_s"]),
-            *(tables[f"last_{k}"] for k in range(len(self._last) - 1)),
-        )
-        self._balance_j, self._damped_j = tables["inferred_j"].tolist()
-        self._balance.state = tables["balance"]
-        self._at_rest = tables["at_rest"]
+        self.sampler.restore(tables)
 
     def _continues(self):
         """Whether no one interrupts; writes a checkpoint where one does, or where it is due."""
@@ -366,34 +299,23 @@ class Run:
             self._checkpoints.write(self.tables())
         return continues
 
-    @property
-    def _carried(self):
-        """What a run that continues needs beside the solver's state, {name: array}."""
-        return with_zero(
-            {
-                "set_in_motion_j": np.array(self._set_in_motion_j),
-                "base_moves": np.array(bool(self._base_motions)),
-            },
-            self._zero or self.solver.instants(),
-        )
-
     def _follow_the_fall(self):
         """Follow the bricks after the first one has fallen, by snapshots only: samples of joints no
         longer describe the wall.  Returns True unless interrupted."""
         solver = self.solver
-        moves_until = (len(self.base) - self._zero_step) * solver.time_step
+        moves_until = (len(self.sampler.base) - self._zero_step) * solver.time_step
         end = max(self.time, moves_until) + AFTER_FALL_S
         solver.damp(**self._damping("motion"))
         solver.damp_impacts()
         # beyond the last interval they rest
         self._prescribe(self.stages[-1].end_step // self.sample_steps)
-        last = self._last
+        last = self.sampler.last
         while self.time < end:
             if not self.keep_going(self, self.time):
                 return False
             yield from self._advance(SNAPSHOT_SAMPLES * self.sample_steps)
             instant = solver.instants()
-            now = self._snapshot(self.time, instant, self._motion(instant), -1)
+            now = self.sampler.snapshot(self.time, instant, self.sampler.motion(instant), -1)
             self.writer.snapshot(*now)
             if self._rest(last, now, moves_until):
                 break
@@ -491,7 +413,7 @@ class Run:
         drive = self.settings.loading.drive
         local = LOCAL_DAMPING
         if stage == "settlement":
-            is_adaptive = self._borne is not None
+            is_adaptive = self.settings.mass_scaling == SELECTIVE
         elif stage == "static":
             is_adaptive = self.settings.relaxation == "adaptive"
         elif drive.quasi_static and self.settings.relaxation == "local":
@@ -507,79 +429,33 @@ class Run:
             return {"alpha": self.settings.alpha_1_s, "beta": self.settings.beta_s}
         return {"adaptive": ADAPTIVE_DAMPING} if is_adaptive else {"local": local}
 
-    # --- samples ---------------------------------------------------------------------------------
+    # --- what is prescribed ----------------------------------------------------------------------
 
     def take_samples(self, now):
-        """Write one sample after the other of everything (Instants), and prescribe the next
-        velocities; False where the run has to end, with the last one that is written."""
-        time_s = (now.clock - self._zero_step) * self.solver.time_step
-        motion = self._motion(now)
-        base = self._base_at(now.clock)
-        top, drift = self._top_and_drift(motion)
-        rows = {
-            "time_s": time_s,
-            "base_acceleration_x_m_s2": base[:, 0],
-            "base_acceleration_z_m_s2": base[:, 1],
-            "top_displacement_m": top,
-            "drift_ratio": drift,
-            **self._base_rows(motion),
-            "base_shear_n": now.support_force[:, :, 0].sum(axis=1),
-            **self._energies(now, motion),
-        }
-        problem, end = _first_not_finite(rows | {"motion": motion} | now.contacts)
-        if self._borne and self.stage != "settlement" and end > 0:
-            monitor.check_drop(
-                self._borne.largest_drop(motion[:end] - self._at_rest).max(), time_s[end - 1]
-            )
-        fell = np.flatnonzero(self._have_fallen(motion[:end], now))
-        if self._borne and len(fell) > 0:
-            monitor.check_drop(-motion[fell[0], :, 1].min(), time_s[fell[0]])
-        if len(fell) > 0:
-            problem = None
-            end = fell[0] + 1
-            self.collapsed_at_s = float(time_s[fell[0]])
-        # before it is pushed
-        free = self.stage == "settlement" and self.settings.loading.drive.top is not None
-        self._write(
-            {**rows, "top_force_n": np.zeros(len(time_s)) if free else now.top_force_n},
-            motion,
-            now,
-            end,
-        )
-        if problem is not None:
-            raise self._failure(f"{problem} is no longer finite", time_s[end])
-        self._prescribe(self._samples - 1, self._behind(time_s[-1:], motion[-1:]))
+        """Write samples (Instants), and prescribe the next velocities; False where the run has to
+        end, with the last one that is written."""
+        not_finite = self.sampler.take(now, self.stage)
+        if not_finite is not None:
+            problem, time_s = not_finite
+            raise self._failure(f"{problem} is no longer finite", time_s)
+        self._prescribe(self.sampler.count - 1, self._behind(now))
         return self.collapsed_at_s is None
 
-    def _behind(self, time_s, motion):
-        """How far the course of the drift is behind what is asked for at this time [m], of a wall
-        whose top is held; motion: `_motion` of then.  The top is above that course, and turns."""
+    def _behind(self, now):
+        """How far the course of the drift is behind what is asked for at the last of these Instants
+        [m], of a wall whose top is held.  The top is above that course, and turns."""
         drive = self.settings.loading.drive
         if self.stage == "settlement" or not drive.top or self._spreads:
             return 0.0
-        top, _ = self._top_and_drift(motion - self._at_rest)
-        return float(drive.top(time_s, self.layout.drift_height)[0] - top[0])
+        motion = self.sampler.motion(now)[-1:] - self.sampler.at_rest
+        top, _ = self.sampler.top_and_drift(motion)
+        return float(drive.top(self.sampler.time_s(now)[-1:], self.layout.drift_height)[0] - top[0])
 
     def _catching_up(self, behind_m):
         """Velocity [m/s] that a push adds so that the course of the drift catches up: in a quarter
         of the first period, in two intervals at least, as it would overshoot in less."""
         catch_up_s = max(self._period_s / 4, 2 * self.sample_steps * self.solver.time_step)
         return behind_m / catch_up_s
-
-    def _have_fallen(self, motion, now):
-        """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
-        first n Instants."""
-        if not self.settings.new_contacts:
-            if self._base_motions:
-                # with the ground, of this run or of one before, no brick has fallen
-                lowest = (now.support_displacement - self._zero.support_displacement)[
-                    : len(motion), :, 1
-                ].min(axis=1)
-                motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
-            return monitor.have_fallen(motion, self._lowest)
-        return monitor.have_left(
-            self.layout, motion, now.joints, now.contacts["state"][: len(motion)]
-        )
 
     def _prescribe(self, interval, behind_m=0.0):
         """Move the top and the supports by their velocities in this interval; they rest after the
@@ -596,139 +472,3 @@ class Run:
             interval >= first + len(velocities) for velocities, _, first in self._prescribed
         ):
             self.solver.prescribe_no_more()
-
-    def _write(self, rows, motion, now, end):
-        """Write the first samples, up to this one, with their snapshots and events."""
-        rows = {name: values[:end] for name, values in rows.items()}
-        self.writer.extend(
-            self.stage,
-            rows,
-            now.joints,
-            *(
-                {name: values[:end] for name, values in columns.items()}
-                for columns in (now.contacts, self._beside(now))
-            ),
-        )
-        if self.stage != "settling" and end > 0:
-            self._balance.add(rows)
-        for k in range(-self._samples % SNAPSHOT_SAMPLES, end, SNAPSHOT_SAMPLES):
-            self.writer.snapshot(*self._snapshot(rows["time_s"][k], now, motion, k))
-        events = self.solver.drain_events()
-        if end > 0:
-            self._last = self._snapshot(float(rows["time_s"][-1]), now, motion, end - 1)
-        if self.collapsed_at_s is not None or end < len(motion):  # the solver may have gone on
-            events = [event for event in events if end > 0 and event[0] <= now.clock[end - 1]]
-        self._write_events(events)
-        self._samples += end
-
-    def _beside(self, now):
-        """Motion of the supports and forces on them; of a run that keeps them stresses of the
-        joints; as of `Buffer.extend`."""
-        columns = {
-            "ground/displacement": now.support_displacement - self._zero.support_displacement,
-            "ground/force": now.support_force,
-        }
-        if now.out_of_plane is not None:
-            motion = self._motion(now)
-            tops = self.layout.tops(motion) - self._tops_by_base(motion)
-            columns["house/top_displacement_m"] = tops
-            across = now.out_of_plane - self._zero.out_of_plane
-            columns["house/across_m"] = self.layout.across(across)
-            columns["house/top_across_m"] = self.layout.tops(across)
-            columns["house/base_acceleration_m_s2"] = self._base_at(now.clock)[:, -1]
-            columns["house/failed_ties"] = now.failed_ties
-        if now.joint_stress_pa is not None:
-            columns["stresses/joint_stress_pa"] = now.joint_stress_pa
-        return columns
-
-    def _snapshot(self, time_s, now, motion, k):
-        """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of
-        sample k."""
-        stress = (
-            ()
-            if self._stress is None
-            else (np.sum(self._stress * now.strain[k][:, np.newaxis, np.newaxis], axis=-1),)
-        )
-        if now.out_of_plane is not None:
-            stress = (now.out_of_plane[k] - (self._zero or now).out_of_plane[0],)
-        return time_s, motion[k], *stress
-
-    def _energies(self, now, motion):
-        """Energies since time zero (n,) [J].  Damping that the solver does not compute is the
-        remainder of the balance while the wall settles or is pushed; in any other stage there is
-        none."""
-        zero = self._zero
-        mass = self.layout.weighing
-        energies = {
-            "kinetic_energy_j": now.kinetic_j,
-            "elastic_energy_j": now.elastic_j - zero.elastic_j,
-            "gravity_energy_j": GRAVITY * total(motion[:, :, 1] * mass),
-            "friction_energy_j": now.friction_j - zero.friction_j,
-            "fracture_energy_j": now.fracture_j - zero.fracture_j,
-        }
-        damped = now.damping_j
-        input_j = now.input_j + self._set_in_motion_j
-        if damped is None:
-            balance = sum(energies.values()) - input_j
-            if self.stage in ("settlement", "settling") or self.settings.loading.drive.quasi_static:
-                damped = self._balance_j - balance
-            else:
-                damped = np.full(len(balance), self._damped_j)
-                self._balance_j = balance[-1] + self._damped_j
-            self._damped_j = damped[-1]
-        return {**energies, "input_energy_j": input_j, "damping_energy_j": damped}
-
-    def _motion(self, now):
-        """Displacement of the bodies since the end of the static stage, (n, n_bodies, 3) [m, m,
-        rad]."""
-        return now.displacement - self._zero.displacement
-
-    def _top_and_drift(self, motion):
-        """Displacement of the top [m] and drift ratio [-], both (n,), the latter without the rigid
-        motion of a base on ground that moves; motion: `_motion`."""
-        return self.layout.top_and_drift(self.layout.tops(motion), self._tops_by_base(motion))
-
-    def _tops_by_base(self, motion):
-        """Displacement of each wall's top by the rigid motion of its base (n, n_walls) [m], zero on
-        ground that rests."""
-        if not self._base_motions:
-            return np.zeros((len(motion), len(self.layout.walls)))
-        return np.column_stack([base.at_top(motion) for base in self._base_motions])
-
-    def _base_rows(self, motion):
-        """Rigid motion of the base of a plane wall where the ground moves, {column of the series:
-        (n,)}."""
-        of_first = self._base_motions[0].of(motion) if self._base_motions else ()
-        return dict(zip(self.layout.BASE_COLUMNS, of_first))
-
-    def _base_at(self, clock):
-        """Acceleration of the base in these steps, (n, 2) [m/s2]."""
-        motion = np.zeros((len(clock), self.base.shape[1]))
-        moves = clock < len(self.base)
-        motion[moves] = self.base[clock[moves]]
-        return motion
-
-    def _write_events(self, events, since=0):
-        """Write what a solver drained; since: its clock's zero, in steps since the end of the
-        static stage."""
-        for step, *event in events:
-            self.writer.event((since + step - self._zero_step) * self.solver.time_step, *event)
-
-
-def _first_not_finite(samples):
-    """What is not finite at the first sample where anything is not, and which that is: None and
-    their number where all is.  samples: {name: (n, ...)}."""
-    count = len(samples["time_s"])
-    # A sum is finite where all of it is, unless it is beyond all sense; BLAS would begin threads
-    # for its product.
-    if math.isfinite(sum(float(np.add.reduce(values, axis=None)) for values in samples.values())):
-        return None, count
-    return next(
-        (
-            (name, k)
-            for k in range(count)
-            for name, values in samples.items()
-            if not math.isfinite(float(np.add.reduce(values[k], axis=None)))
-        ),
-        (None, count),
-    )

@@ -67,6 +67,16 @@ def _run_to_its_pictures(prepared, show):
     return status
 
 
+def history_of(prepared, settled=None):
+    """The History of a Prepared run that steps alone; KeyboardInterrupt where it was interrupted;
+    settled: as of Run."""
+    with attended(prepared.layout.wall.name, quiet=prepared.settings.quiet) as keep_going:
+        (status,) = take_turns([simulate(prepared, keep_going, settled)])
+    if status == EXIT_INTERRUPTED:
+        raise KeyboardInterrupt
+    return prepared.writer.history()
+
+
 def simulate(prepared, keep_going, settled=None):
     """Run all stages of a Prepared run, until one is accepted; the history is closed and marked
     however this ends.  A generator for `take_turns`, which returns the exit status; settled: as of
@@ -112,11 +122,12 @@ def _simulate(prepared, keep_going, settled):
                 f"wall {layout.wall.name}: bricks fell while the ground settled, {-collapsed:.2f} s"
                 " before time zero; expected a wall that stands; give a smaller --distortion"
             )
+        energy_error = run.sampler.energy_error
         if finished and prepared.repeats:
-            check_energy(run.energy_error)
-        if run.energy_error is not None and run.energy_error > ENERGY_FAILURE:
+            check_energy(energy_error)
+        if energy_error is not None and energy_error > ENERGY_FAILURE:
             raise RunError(
-                f"energy balance error {100 * run.energy_error:.3g} % of the input, expected up to"
+                f"energy balance error {100 * energy_error:.3g} % of the input, expected up to"
                 f" {100 * ENERGY_FAILURE:g} %: the run has failed; give a smaller --dt, or look at"
                 " the wall"
             )

@@ -11,10 +11,9 @@ from small_history import make_history
 
 from damage import read_history
 from damage.applications.studies.records import record_of
-from damage.applications.studies.worker import HistoryKept
 from damage.history import in_memory
 from damage.history.contacts import Contacts
-from damage.history.in_memory import HistoryInMemory
+from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.history.info import check
 from damage.history.writer import HistoryWriter
 from damage.index import damage_index

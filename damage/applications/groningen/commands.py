@@ -1,6 +1,7 @@
 """Commands about an address: its earthquakes, and lives of walls there."""
 
 import argparse
+import os
 import re
 import sys
 from pathlib import Path
@@ -271,6 +272,7 @@ _BATCH_OPTIONS = group(
         "-j",
         dest="jobs",
         type=number_from(1, 9999, int),
+        default=os.cpu_count(),
         metavar="N",
         help="processes (default: one a core)",
     ),
@@ -293,8 +295,8 @@ _BATCH_OPTIONS = group(
     ),
 )
 def _life(asked):
-    from damage.applications.groningen.life.results import NAME, write_study
-    from damage.applications.studies.command import run_study
+    from damage.applications.groningen.life.results import NAME, life_study
+    from damage.applications.studies.batch import run
     from damage.applications.studies.folder import held
 
     address = _address_of(asked)
@@ -307,25 +309,15 @@ def _life(asked):
         "distortion": asked.distortion,
     }
     with held(asked.out, Path(NAME).stem) as lock:
-        study = write_study(
+        study = life_study(
             asked.out,
             asked.wall,
             address,
             {name: value for name, value in options.items() if value is not None},
             asked.draws,
         )
-        return run_study(
-            [
-                str(study),
-                "--out",
-                str(asked.out),
-                "--keep",
-                "summary",
-                *(["-j", str(asked.jobs)] if asked.jobs else []),
-                *(["--remake"] if asked.remake else []),
-            ],
-            lock,
-        )
+        out = asked.out.absolute()
+        return run(study, out, asked.jobs, "summary", remake=asked.remake, lock=lock)
 
 
 def _options_of(asked):
@@ -382,8 +374,6 @@ def _claim(asked):
 
 
 def _make_claim(asked):
-    import os
-
     from damage.applications.groningen.claim.make import Claim, make_claim
     from damage.applications.groningen.claim.sheet import set_aside
     from damage.applications.groningen.claim.twins import NAME
@@ -419,7 +409,7 @@ def _make_claim(asked):
             tuple(asked.units),
         ),
         asked.out,
-        asked.jobs or os.cpu_count(),
+        asked.jobs,
         asked.remake,
     )
 

@@ -169,66 +169,73 @@ def life_picture(table, yearly, alone, title):
     given, which share of its walls ends with a Psi or less, with all events and with the largest
     alone.  table, yearly: of `damage.applications.groningen.life.results`."""
     figure, axes = style.new_figure(1.8 * style.COLUMN_WIDTH, 2 if alone is None else 3)
-    psi, probability = axes[:2]
-    first = yearly["year"].iloc[0]
-    last = yearly["year"].iloc[-1] + 1
-    final = []
-    for key, life in table.groupby(["seed", "life"]):
+    years = yearly["year"].iloc[0], yearly["year"].iloc[-1] + 1
+    _every_life(axes[0], table, yearly, years)
+    _damaged_walls(axes[1], yearly)
+    for ax in axes[:2]:
+        ax.set_xlim(years)
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=8))
+    if alone is not None:
+        _psi_at_the_end(axes[2], table, alone)
+    style.put_title(figure, title)
+    return figure
+
+
+def _every_life(ax, table, yearly, years):
+    for _, life in table.groupby(["seed", "life"]):
         seconds = life["time_utc"].to_numpy().astype("datetime64[s]").astype(np.int64)
-        times = [first, *(1970 + seconds / SECONDS_OF_A_YEAR), last]
-        end = life["psi"].iloc[-1]
-        if alone is None or key in alone.index:
-            final.append(end)
-        psi.plot(
-            times,
-            [0.0, *life["psi"], end],
+        ax.plot(
+            [years[0], *(1970 + seconds / SECONDS_OF_A_YEAR), years[1]],
+            [0.0, *life["psi"], life["psi"].iloc[-1]],
             drawstyle="steps-post",
             color=style.MEDIUM,
             lw=0.3,
             alpha=0.6,
         )
     settled = table.loc[table["event"] == 0, "psi"]
-    psi.plot(
-        [first, *(yearly["year"] + 1)],
+    ax.plot(
+        [years[0], *(yearly["year"] + 1)],
         [settled.median() if len(settled) else 0.0, *yearly["median_psi"]],
         color=style.BLACK,
         lw=1.2,
     )
-    psi.axhline(1.0, color=style.BLUE, lw=0.5, ls=":")
-    psi.set_ylabel(r"$\Psi$ at rest [-]")
-    letter(psi, 0, "every life, and the median; dotted: just visible")
+    ax.axhline(1.0, color=style.BLUE, lw=0.5, ls=":")
+    ax.set_ylabel(r"$\Psi$ at rest [-]")
+    letter(ax, 0, "every life, and the median; dotted: just visible")
+    from_zero(ax)
+
+
+def _damaged_walls(ax, yearly):
+    year = yearly["year"] + 1
     for outcome, (colour, dashes, label) in LINES.items():
-        year = yearly["year"] + 1
         name = f"p_{outcome}"
-        probability.fill_between(
+        ax.fill_between(
             year, yearly[f"{name}_low"], yearly[f"{name}_high"], color=colour, alpha=0.12, lw=0
         )
-        probability.plot(year, yearly[name], color=colour, ls=dashes, label=label)
-    probability.set(ylabel="share of walls [-]", xlabel="year", ylim=(0, 1))
-    probability.legend(loc="upper left")
-    letter(probability, 1, "walls that are damaged, with 95 % intervals")
-    from_zero(psi)
-    for ax in (psi, probability):
-        ax.set_xlim(first, last)
-        ax.xaxis.set_major_locator(MaxNLocator(integer=True, nbins=8))
-    if alone is not None:
-        for values, colour, label in (
-            (final, style.BLACK, "all events"),
-            (alone["psi"], style.GREEN, "the largest event alone"),
-        ):
-            finite = np.sort(np.asarray(values, float))
-            axes[2].plot(
-                finite,
-                (np.arange(len(finite)) + 1) / len(finite),
-                drawstyle="steps-post",
-                color=colour,
-                label=label,
-            )
-        axes[2].set(xlabel=r"$\Psi$ at the end [-]", ylabel="share of walls [-]", ylim=(0, 1))
-        axes[2].legend(loc="lower right")
-        letter(axes[2], 2, r"share of walls that end with this $\Psi$ or less")
-    style.put_title(figure, title)
-    return figure
+        ax.plot(year, yearly[name], color=colour, ls=dashes, label=label)
+    ax.set(ylabel="share of walls [-]", xlabel="year", ylim=(0, 1))
+    ax.legend(loc="upper left")
+    letter(ax, 1, "walls that are damaged, with 95 % intervals")
+
+
+def _psi_at_the_end(ax, table, alone):
+    """Draw which share of the walls of `alone` ends with a Psi or less."""
+    final = table.groupby(["seed", "life"])["psi"].last()
+    for values, colour, label in (
+        (final[final.index.isin(alone.index)], style.BLACK, "all events"),
+        (alone["psi"], style.GREEN, "the largest event alone"),
+    ):
+        finite = np.sort(np.asarray(values, float))
+        ax.plot(
+            finite,
+            (np.arange(len(finite)) + 1) / len(finite),
+            drawstyle="steps-post",
+            color=colour,
+            label=label,
+        )
+    ax.set(xlabel=r"$\Psi$ at the end [-]", ylabel="share of walls [-]", ylim=(0, 1))
+    ax.legend(loc="lower right")
+    letter(ax, 2, r"share of walls that end with this $\Psi$ or less")
 
 
 @style.styled

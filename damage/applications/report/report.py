@@ -8,18 +8,11 @@ from pathlib import Path
 from jinja2.utils import htmlsafe_json_dumps
 
 from damage.applications.report.charts import RUN_STYLES, over_time, states_legend
+from damage.applications.report.figures import documents, figures
 from damage.applications.report.house_part import house_part
 from damage.applications.report.run_part import run_part
-from damage.applications.report.study_part import (
-    BELOW,
-    LEFT,
-    TALL,
-    WIDE,
-    documents,
-    figures,
-    studies_below,
-    study_part,
-)
+from damage.applications.report.study_charts import BELOW, LEFT, TALL, WIDE
+from damage.applications.report.study_part import studies_below, study_part
 from damage.applications.report.tables import energy_balance, measures, parameters, versions
 from damage.applications.report.words import PAGE, environment
 from damage.applications.report.words import words as texts
@@ -114,25 +107,10 @@ def page(files, folders, words=Words()):
         )
     studies = [study for folder in folders for study in studies_below(folder)]
     histories = [read_history(path) for path in files]
-    walls = [part for history in histories for part in history.parts]
-    if len(walls) > len(LETTERS):  # of a large house no wall by itself
-        walls = [history for history in histories if not history.is_house]
-    runs = [run_part(*one, words.language) for one in zip(walls, LETTERS)]
-    known = {run["history"].path: run["summary"] for run in runs}
-    houses = [
-        house_part(
-            history, {part.wall: known.get(part.path) or summarise(part) for part in history.parts}
-        )
-        for history in histories
-        if history.is_house
-    ]
+    runs = _runs(histories, words.language)
+    houses = _houses(histories, runs)
     parts = [study_part(folder) for folder in studies]
-    drawn = {
-        "runs": [{"letter": run["letter"], **run["drawn"]} for run in runs],
-        "charts": over_time(runs),
-        "threshold_mm": THRESHOLD / MILLIMETRE,
-        "states": states_legend(runs),
-    }
+    title = _title(houses, runs, parts)
     return (
         environment()
         .get_template("report.html")
@@ -142,31 +120,11 @@ def page(files, folders, words=Words()):
             words=partial(texts, words.language),
             houses=houses,
             studies=parts,
-            of_folders=[
-                {
-                    "name": folder.resolve().name,
-                    "documents": documents(folder),
-                    "figures": figures(folder),
-                }
-                # the part of a study has its own
-                for folder in folders
-                if folder not in studies
-            ],
-            first=[
-                (
-                    (
-                        f"Run {run['letter']}, {run['file']}"
-                        if len(runs) > 1 or parts
-                        else run["file"]
-                    ),
-                    run["first"],
-                )
-                for run in runs
-                if run["first"]
-            ]
-            + [(f"Study {part['name']}", part["first"]) for part in parts if part["first"]],
-            title=words.title or _title(houses, runs, parts),
-            subject=_title(houses, runs, parts) if words.title else "",
+            # the part of a study has its own
+            of_folders=[_beside(folder) for folder in folders if folder not in studies],
+            first=_read_first(runs, parts),
+            title=words.title or title,
+            subject=title if words.title else "",
             author=words.author,
             paragraphs=words.paragraphs,
             measures=measures(runs) if runs else [],
@@ -174,7 +132,7 @@ def page(files, folders, words=Words()):
             parameters=parameters,
             versions=versions,
             threshold_mm=THRESHOLD / MILLIMETRE,
-            data=htmlsafe_json_dumps(drawn, dumps=json_text),  # safe inside HTML
+            data=htmlsafe_json_dumps(_drawn(runs), dumps=json_text),  # safe inside HTML
             marks=MARKS,
             colours=[colour for colour, _ in RUN_STYLES],
             size={"wide": WIDE, "tall": TALL, "left": LEFT, "below": BELOW},
@@ -185,6 +143,54 @@ def page(files, folders, words=Words()):
             made_by=f"masonry-damage {VERSION}, commit {commit()}",
         )
     )
+
+
+def _runs(histories, language):
+    """The parts of runs, of a house those of its walls."""
+    walls = [part for history in histories for part in history.parts]
+    if len(walls) > len(LETTERS):  # of a large house no wall by itself
+        walls = [history for history in histories if not history.is_house]
+    return [run_part(*one, language) for one in zip(walls, LETTERS)]
+
+
+def _houses(histories, runs):
+    known = {run["history"].path: run["summary"] for run in runs}
+    return [
+        house_part(
+            history, {part.wall: known.get(part.path) or summarise(part) for part in history.parts}
+        )
+        for history in histories
+        if history.is_house
+    ]
+
+
+def _beside(folder):
+    """Documents and figures of a folder of several studies."""
+    return {
+        "name": folder.resolve().name,
+        "documents": documents(folder),
+        "figures": figures(folder),
+    }
+
+
+def _read_first(runs, studies):
+    """(Name, lines) of what a reader has to know of runs and studies before their numbers."""
+    alone = len(runs) == 1 and not studies
+    parts = [
+        *((run["file"] if alone else f"Run {run['letter']}, {run['file']}", run) for run in runs),
+        *((f"Study {study['name']}", study) for study in studies),
+    ]
+    return [(name, part["first"]) for name, part in parts if part["first"]]
+
+
+def _drawn(runs):
+    """What the page's program draws."""
+    return {
+        "runs": [{"letter": run["letter"], **run["drawn"]} for run in runs],
+        "charts": over_time(runs),
+        "threshold_mm": THRESHOLD / MILLIMETRE,
+        "states": states_legend(runs),
+    }
 
 
 def _title(houses, runs, studies):

@@ -4,18 +4,15 @@ table of points, figures, fragility, and documents made of its tables.
 It holds no moving wall: those of six runs made files of 4 MB.
 """
 
-import base64
 import math
-import re
 from itertools import starmap
 
 import numpy as np
 import pandas as pd
-from matplotlib.image import imread
-from matplotlib.ticker import MaxNLocator
 
-from damage.applications.report.charts import RUN_STYLES
+from damage.applications.report.figures import documents, drawn, figures
 from damage.applications.report.packing import as_png
+from damage.applications.report.study_charts import axes, charts
 from damage.applications.report.tables import COLUMNS as MEANING
 from damage.applications.report.tables import cell, digits_of
 from damage.applications.studies.fragility import choices_of, fit_all, fragility_table, mixed
@@ -26,8 +23,7 @@ from damage.applications.studies.spread import repeated
 from damage.applications.studies.states import (
     INTENSITIES,
     STUDY_FILE,
-    label,
-    there,
+    column_words,
 )
 from damage.draw.run import wall_picture
 from damage.draw.words import record_label, wall_words
@@ -64,14 +60,8 @@ OF_POINTS = {
 }
 NEEDED = ("point", "solver", "wall", "members")
 """Columns that every table of points has."""
-MOST_DOCUMENT_MB = 0.2
-"""Largest size of a document that is shown."""
-MOST_FIGURES_MB = 0.3
-"""Largest size of all embedded figures; others are listed by name."""
 MOST_WALLS_MB = 0.3
 """Largest size of all pictures of cracked walls; the points of the largest damage come first."""
-PLOTTED = ("max_DI", "residual_DI")
-"""Measures that are drawn over the intensity."""
 _FOLLOWS = {
     *("point", "solver", "wall", "motion", "record", "record_unit", "scale", "amplitude_g"),
     *("motion_period_s", "d5_75_s", "d5_95_s", "window_start_s", "window_end_s"),
@@ -79,27 +69,8 @@ _FOLLOWS = {
     *("total_joint_length_m", "elastic_joint_share", "elastic_joint_share_above_openings"),
 }
 """Parameters that a point's wall and motion say, or that follow from them."""
-WIDE = 420
-TALL = 270
-LEFT = 68
-BELOW = 38
-"""Size of a chart, and room for its labels on the left and below, pixels of its own."""
 REPLICATES = 200
 """Bootstrap samples of a fragility curve's bounds; `python3 -m damage fragility` takes more."""
-FIGURE_WORDS = {
-    "fig06": "The harmonic motions that shook the walls",
-    "fig07": "Damage index and its components over time",
-    "fig08": "Damage index against the amplitude of the motion",
-    "fig09": "Drift over time by amplitude",
-    "fig10": "The records that shook the walls, with their spectra",
-    "fig11": "Residual damage against peak acceleration",
-    "fig12": "Damage index against the largest drift",
-    "cracks": "Cracked joints of the walls of single runs",
-    "sequences": "Damage over sequences of shocks",
-    "sensitivity": "How much modelling choices move the damage",
-    "life": "Lives of a wall: damage over the years, and the events that caused it",
-    "fragility": "Probability of exceeding levels of damage against intensity",
-}
 
 
 def studies_below(folder):
@@ -205,28 +176,6 @@ def labels(points):
     return words, of
 
 
-def column_words(name):
-    """A column's name in words, with its unit.
-
-    >>> column_words("max_crack_width_mm"), column_words("pgv_m_s"), column_words("wall")
-    ('maximum crack width [mm]', 'PGV [m/s]', 'wall')
-    """
-    return re.sub(r"[$_{}\\]|mathrm", "", label(name)).replace(" [-]", "")
-
-
-def axes(kinds):
-    """The two names of `labels` that colours and marks show: what varies, the study's own keys
-    before the motion, and what has more values than there are colours last; one name twice where no
-    other varies.
-
-    kinds: {name: its different values}.
-    """
-    keys = [name for name in kinds if name not in ("motion", "solver")]
-    varied = [name for name in (*keys, "motion") if len(kinds[name]) > 1]
-    varied.sort(key=lambda name: len(kinds[name]) > len(RUN_STYLES))
-    return [*varied, *varied, "wall", "wall"][:2] if len(varied) < 2 else varied[:2]
-
-
 def _motion(row):
     """Words for a point's motion, and the factor on it."""
     scale = row.get("scale")
@@ -260,55 +209,6 @@ def cracked_walls(folder, summary, points):
         pictures[int(number)] = as_png(figure, 80)
         left -= len(pictures[int(number)])
     return pictures, unread
-
-
-def charts(points, alike, chosen=None):
-    """Charts of PLOTTED over the intensity of points, the chosen one if they have it: labels, ticks
-    (place, words), of each point its place and its range over the members, and lines through those
-    that are alike but for the intensity; [] where points have none, as of pushed walls."""
-    known = there(points)
-    names = [name for name in (chosen, "pgv_m_s", *known) if name in known]
-    if not names:
-        return []
-    x = points[names[0]].astype(float).to_numpy()
-    return [
-        _chart(points, x, alike, names[0], name) for name in PLOTTED if points[name].notna().any()
-    ]
-
-
-def _chart(points, x, alike, intensity, measure):
-    y = points[measure].astype(float).to_numpy()
-    ends = [
-        points[f"{measure}_{end}"].astype(float).to_numpy() if f"{measure}_{end}" in points else y
-        for end in ("min", "max")
-    ]
-    (across, x_ticks) = _scale(x, LEFT, WIDE - 20)
-    (up, y_ticks) = _scale(ends[1], TALL - BELOW, 8)
-    places = np.round([across(x), up(y), *map(up, ends)], 1).T
-    lines = {}
-    for number in np.argsort(x, kind="stable").tolist():
-        if not np.isnan(places[number]).any():
-            lines.setdefault(alike[number], []).append(number)
-    return {
-        "x": column_words(intensity),
-        "y": {"max_DI": "maximum DI", "residual_DI": "residual DI"}[measure],
-        "x_ticks": x_ticks,
-        "y_ticks": y_ticks,
-        "dots": [None if np.isnan(place).any() else place.tolist() for place in places],
-        "lines": list(lines.values()),
-    }
-
-
-def _scale(values, first, last):
-    """A function from values to places between first and last, which begins at zero, and its ticks,
-    (place, words)."""
-    ticks = MaxNLocator(5).tick_values(0, np.nanmax(values, initial=1e-6))
-    ticks = ticks[ticks >= 0]
-
-    def place(value):
-        return first + (last - first) * value / ticks[-1]
-
-    return place, [(round(float(place(tick)), 1), f"{tick:g}") for tick in ticks]
 
 
 def said_first(folder, summary):
@@ -366,60 +266,6 @@ def _range(row, name):
     return "" if low is None or high is None or not low < high else f"{low:.3g} to {high:.3g}"
 
 
-# --- figures --------------------------------------------------------------------------------------
-
-
-def figures(folder):
-    """{"embedded": [figure], "named": [paths that are too large to embed]} of the PNG files of a
-    study.
-
-    They are looked for in its folders `figures` and `pictures` and in itself; pictures of single
-    runs are left out.
-    """
-    places = folder / "figures", folder / "pictures", folder
-    paths = [path for place in places for path in sorted(place.glob("*.png"))]
-    embedded = []
-    named = []
-    left = MOST_FIGURES_MB * 1e6
-    for path in paths:
-        if path.stat().st_size > left:
-            named.append(path.relative_to(folder).as_posix())
-        else:
-            left -= path.stat().st_size
-            embedded.append(_embedded(path))
-    return {"embedded": embedded, "named": named}
-
-
-def _embedded(path):
-    """One figure: name, data, width and height [px], what it shows in words."""
-    try:
-        height, width = imread(path).shape[:2]
-    except (OSError, ValueError, SyntaxError) as error:
-        raise InputError(
-            f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again"
-        ) from error
-    return {
-        "name": path.stem,
-        "data": base64.b64encode(path.read_bytes()).decode("ascii"),
-        "width": width,
-        "height": height,
-        "words": figure_words(path.stem),
-    }
-
-
-def figure_words(name):
-    """Caption of a figure, from its name.
-
-    >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
-    ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
-    """
-    caption = next((words for start, words in FIGURE_WORDS.items() if name.startswith(start)), None)
-    return f"{caption} ({name})" if caption else f"Figure {name}"
-
-
-# --- fragility, documents -------------------------------------------------------------------------
-
-
 def _fragility(folder, summary):
     """Curves, figures and bounds of a study with scattered strengths, or why it has none; None of
     another."""
@@ -435,27 +281,5 @@ def _fragility(folder, summary):
         "notes": list(mixed(runs)),
         "heads": list(table),
         "rows": [[_cell(value) for value in row] for row in table.to_numpy(object)],
-        "figures": list(starmap(_drawn, fragility_pictures(runs, fits, intensity))),
+        "figures": list(starmap(drawn, fragility_pictures(runs, fits, intensity))),
     }
-
-
-def _drawn(name, figure):
-    """A matplotlib Figure as an embedded figure; width and height give its aspect ratio only."""
-    width, height = (round(100 * inches) for inches in figure.get_size_inches())
-    return {
-        "name": name,
-        "data": as_png(figure),
-        "width": width,
-        "height": height,
-        "words": figure_words(name),
-    }
-
-
-def documents(folder):
-    """[(name, text)] of the documents that programs made of a folder's tables, as `conclusion` of a
-    study does."""
-    return [
-        (path.stem, path.read_text(encoding="utf-8", errors="replace"))
-        for path in sorted((folder / "tables").glob("*.md"))
-        if path.stat().st_size < MOST_DOCUMENT_MB * 1e6
-    ]

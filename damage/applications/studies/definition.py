@@ -128,6 +128,7 @@ class StudyRun:
     varied: name of the option that has the number 1, 2, ... of each member; empty for a single run.
     members: their number; adaptive: one only where no joint fails in the first; offset: the
     option's value is so much larger.
+    entry: id of the entry of the study that it comes from, which several points of lives share.
     """
 
     point: str
@@ -138,6 +139,7 @@ class StudyRun:
     members: int = 1
     adaptive: bool = False
     offset: int = 0
+    entry: str = ""
 
     def __post_init__(self):
         if not ID.fullmatch(self.id) or len(self.id) > LONGEST_ID:
@@ -154,11 +156,6 @@ class StudyRun:
     @property
     def is_ensemble(self):
         return bool(self.varied)
-
-    @property
-    def first(self):
-        """Name of the first or only run."""
-        return self.name(1)
 
     @property
     def most_members(self):
@@ -233,12 +230,13 @@ def tails_are_heavy(rows):
 
 @dataclass(frozen=True)
 class Study:
-    """A study: name, title, file, runs, runs of both solvers, and whether pictures of runs are
-    made."""
+    """A study: name, title, file, runs of a solver ("yade", "reference" or "both"), runs of both
+    solvers, and whether pictures of runs are made."""
 
     name: str
     title: str
     path: Path
+    solver: str
     runs: tuple[StudyRun, ...]
     of_both: tuple[StudyRun, ...] = ()
     pictures: str = "all"
@@ -285,9 +283,14 @@ def load_study(path, solver="reference", root=None):
     walls and records are that do not lie beside the study file, None for the working folder.
     Raises InputError where a key, option or file is not valid.
     """
+    return study_of(read_toml(path, *STUDY_FILE), path, solver, root)
+
+
+def study_of(table, path, solver="reference", root=None):
+    """The Study of a table as a study file has it; path: of that file, beside which files are
+    looked for; otherwise as `load_study`."""
     path = Path(path).absolute()
     root = Path(root or ".").resolve()
-    table = read_toml(path, *STUDY_FILE)
     _check_keys(table, set(KEYS), f"{path}")
     check_choices(path, table.get("states", []), table.get("intensity"))
     runs = [
@@ -300,6 +303,7 @@ def load_study(path, solver="reference", root=None):
         name=table.get("name"),
         title=str(table.get("title", "")),
         path=path,
+        solver=solver,
         runs=tuple(run for run, _ in chosen),
         of_both=tuple(run for run, _ in runs),
         pictures=table.get("pictures", "all"),
@@ -384,6 +388,7 @@ def _load_entry(table, where, folder, root):
                     wall,
                     given[solver],
                     solver,
+                    entry=name,
                     **(ensemble if solver == "reference" else {}),
                     **part,
                 ),

@@ -190,6 +190,15 @@ def open_log(path, mode="wb"):
         ) from error
 
 
+def last_words(log, run):
+    """The last line of a log that is about a run, or the last of all, in brackets, where there is
+    one."""
+    lines = log.read_text(encoding="utf-8", errors="replace").split("\n") if log.is_file() else []
+    lines = [line.strip() for line in lines if line.strip()]
+    lines = [line for line in lines if line.startswith("error: ") and run in line] or lines
+    return f" ({lines[-1][:200]})" if lines else ""
+
+
 def python_path():
     """PYTHONPATH for what a batch starts, in any folder: this package, then what the user had, as
     obspy's folder."""

@@ -14,6 +14,7 @@ import hashlib
 import json
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 
+from damage.applications.studies.folder import ROOT
 from damage.checks import check_file
 from damage.house.coarser import in_units
 from damage.motion.record import Record
@@ -87,6 +88,14 @@ def _drawn_from(run, root):
         return None
     options = run.options_of(1, root)
     return next(source.digest(options) for source in SOURCES if source.digest)
+
+
+def changes(task, inputs, wall=None):
+    """How the inputs of a task differ from those in {StudyRun.id: `as_json` of then}, a list of
+    words; wall: as its run has it, which may have imported modules that this process has of
+    before."""
+    note = inputs.get(task.point.id)
+    return differences(note, inputs_of(task.point, ROOT, wall)) if note else []
 
 
 def as_json(inputs):

@@ -11,9 +11,8 @@ from tempfile import TemporaryDirectory
 
 import pandas as pd
 
-from damage.applications.studies.command import last_words
 from damage.applications.studies.definition import StudyRun, option_table, with_paths
-from damage.applications.studies.folder import held
+from damage.applications.studies.folder import held, last_words
 from damage.applications.studies.pool import Pool
 from damage.applications.studies.spread import member_row, members_path
 from damage.applications.studies.tasks import Task

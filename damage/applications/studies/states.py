@@ -222,6 +222,15 @@ def label(column):
     return INTENSITIES.get(column, "{} [{}]".format(*in_picture(column)))
 
 
+def column_words(name):
+    """A column's name in words, with its unit.
+
+    >>> column_words("max_crack_width_mm"), column_words("pgv_m_s"), column_words("wall")
+    ('maximum crack width [mm]', 'PGV [m/s]', 'wall')
+    """
+    return re.sub(r"[$_{}\\]|mathrm", "", label(name)).replace(" [-]", "")
+
+
 def unit_in(name):
     """Unit of a column of summary.csv; "" for text and for unknown columns.
 

@@ -10,6 +10,7 @@ import numpy as np
 from damage.applications.cracks import kept
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.folder import ROOT
+from damage.run.checkpoint import checkpoint_path
 
 RUN = "run"
 PICTURES = "pictures"
@@ -68,6 +69,17 @@ class Task:
         return (
             self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
         )
+
+    @property
+    def stands(self):
+        """Whether it is a run that was interrupted, and can continue from there."""
+        return self.steps and self.part.is_file() and checkpoint_path(self.part).is_file()
+
+    @property
+    def place(self):
+        """Options of its run beside those of its point."""
+        place = {"resume": str(self.part)} if self.stands else {"out": str(self.part)}
+        return place | {"overwrite": "out" in place, "pictures": False}
 
     @property
     def steps(self):

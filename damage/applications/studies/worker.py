@@ -7,47 +7,28 @@ None), (task, CHANGED, how its inputs changed, words), a line for the person at 
 """
 
 import os
-import re
-import shutil
 import signal
-import subprocess
 import sys
 import time
 from collections import deque
 from functools import partial
 from types import MappingProxyType
 
-from damage.applications.cracks.kept import patterns_of, write_patterns
-from damage.applications.studies.folder import (
-    POLITE_ENDS,
-    ROOT,
-    end_with_parent,
-    environment,
-    open_log,
-)
-from damage.applications.studies.inputs import differences, inputs_of
-from damage.applications.studies.records import record_of
+from damage.applications.studies.conclude import conclude, draw
+from damage.applications.studies.folder import POLITE_ENDS, ROOT, end_with_parent, open_log
+from damage.applications.studies.inputs import changes
 from damage.applications.studies.tasks import CHANGED, PICTURES
+from damage.applications.studies.yade_process import run_yade
 from damage.errors import InputError, some_of
-from damage.files import YADE
-from damage.history.buffer import Buffer
-from damage.history.in_memory import HistoryInMemory, Memory
-from damage.history.reader import read_history
-from damage.history.writer import File, run_attributes
-from damage.measure.tables import write_run_tables
+from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.memory import return_freed
 from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_references
 from damage.run.checkpoint import checkpoint_path
-from damage.run.options import words_of
-from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from damage.start import EXIT_INTERRUPTED, EXIT_OK
 
-PATIENCE_S = 60.0
-"""How long an interrupted solver may take to close its history before it is killed [s]."""
 SHARES_S = 2.0
 """Between two looks at how far runs are [s]."""
-# of damage.run.progress.Progress
-_PROGRESS = re.compile(r"\bt = +(-?[\d.]+) of ([\d.]+) s ")
 
 
 def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
@@ -78,7 +59,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
             task.log.unlink(missing_ok=True)
             print_into(task.log)
             status, record = (
-                _draw(task) if task.kind == PICTURES else _run_yade(task, connection, lock, inputs)
+                draw(task) if task.kind == PICTURES else run_yade(task, connection, lock, inputs)
             )
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
@@ -141,8 +122,8 @@ class Group:
         """Whether a task is to be simulated; sends what becomes of it otherwise."""
         if task.history.is_file():
             self._connection.send((task, *conclude(task)))
-        elif _stands(task) and (changed := changes(task, self._inputs)):
-            self._connection.send((task, CHANGED, changed))
+        elif task.stands and (found := changes(task, self._inputs)):
+            self._connection.send((task, CHANGED, found))
         else:
             self._tasks[task.name] = task
             kind = HistoryKept if task.kept else HistoryInMemory
@@ -162,7 +143,7 @@ class Group:
         """Send what became of a run, by its exit status."""
         task = self._tasks.pop(name)
         history = self.histories.pop(name)
-        if status not in (EXIT_OK, EXIT_INTERRUPTED) and _stands(task):
+        if status not in (EXIT_OK, EXIT_INTERRUPTED) and task.stands:
             # of another version, or of other options: it begins again
             checkpoint_path(task.part).unlink()
             self._waiting.append(task)
@@ -198,162 +179,6 @@ class Begun:
         return self._kind(path, layout, **more)
 
 
-def changes(task, inputs, wall=None):
-    """How the inputs of a task differ from those in `inputs` (as of `work`), a list of words; wall:
-    as its run has it, which may have imported modules that this process has of before."""
-    note = inputs.get(task.point.id)
-    return differences(note, inputs_of(task.point, ROOT, wall)) if note else []
-
-
 def _settings(task, prog):
     """RunSettings of a task, whose paths start from the working folder."""
-    return task.point.settings(None, task.number, prog, _where(task))
-
-
-def _where(task):
-    """The options of a task beside those of its point."""
-    place = {"resume": str(task.part)} if _stands(task) else {"out": str(task.part)}
-    return place | {"overwrite": "out" in place, "pictures": False}
-
-
-def _stands(task):
-    """Whether a run was interrupted, and can continue from there."""
-    return task.steps and task.part.is_file() and checkpoint_path(task.part).is_file()
-
-
-def conclude(task, kept=None):
-    """Give a history its name where it stays, and make of it what it leaves; returns (exit status,
-    record or None).
-
-    kept: the HistoryInMemory, or HistoryKept, of a run that was done just now, else None.
-    """
-    try:
-        path = task.history if task.history.is_file() else task.part
-        history = read_history(path) if kept is None else kept.history(path)
-        if history.status != "complete":
-            raise InputError(
-                f"the history is marked {history.status}; expected complete; run the study again"
-            )
-        if task.kept and path == task.part:
-            os.replace(path, task.history)
-        seals = (
-            {"patterns": write_patterns(patterns_of(history), task.pattern)}
-            if task.patterns
-            else {}
-        )
-        if task.tables:
-            write_run_tables(history, task.folder / "tables" / task.name)
-        return EXIT_OK, record_of(history, task.name, task.point.point) | seals
-    except (InputError, OSError) as error:
-        remedy = f"; delete {task.history}" if task.history.is_file() else ""
-        print(f"error: {task.name}: {error}{remedy}", file=sys.stderr, flush=True)
-        return EXIT_FAILED, None
-
-
-def _run_yade(task, connection, lock, inputs):
-    """Run YADE into the part of a history; returns (exit status, record or None), or as of
-    CHANGED."""
-    if task.history.is_file():
-        return conclude(task)
-    try:
-        return _run_yade_on(task, connection, lock, inputs)
-    except InputError as error:
-        print(f"error: {task.name}: {error}")
-        return EXIT_FAILED, None
-
-
-def _run_yade_on(task, connection, lock, inputs):
-    """As `_run_yade`: the inputs are compared before and after, as YADE reads them by itself."""
-    if changed := changes(task, inputs):
-        return CHANGED, changed
-    connection.send((None, f"{task.name}: started", None))
-    status = _run_solver(
-        [*YADE, task.point.wall, *words_of(task.point.options_of(task.number) | _where(task))],
-        task.folder,
-        lock,
-        lambda share: connection.send((None, None, {task.name: share})),
-    )
-    if status == EXIT_OK and (
-        changed := changes(task, inputs, read_history(task.part).masonry_wall)
-    ):
-        task.part.unlink()
-        return CHANGED, changed
-    return conclude(task) if status == EXIT_OK else (status, None)
-
-
-def _run_solver(command, folder, lock, announce):
-    """Run a command with its output into this process's; returns its exit status.  SIGTERM ends it
-    politely, an alarm kills it if it lingers."""
-    came = []
-    try:
-        solver = subprocess.Popen(
-            command,
-            cwd=ROOT,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            env=environment(folder),
-            pass_fds=(lock,),
-            process_group=0,
-            preexec_fn=partial(end_with_parent, os.getpid()),
-        )
-    except OSError as error:
-        print(f"error: {command[0]} does not start: {error.strerror}")
-        return EXIT_FAILED
-
-    def end(*_):
-        if not came:
-            solver.terminate()
-            signal.alarm(int(PATIENCE_S))
-        came.append(True)
-
-    before = signal.signal(signal.SIGTERM, end)
-    signal.signal(signal.SIGALRM, lambda *_: solver.kill())
-    try:
-        _follow(solver.stdout, announce)
-        status = solver.wait()
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGTERM, before)
-    if came and status != 0:
-        return EXIT_INTERRUPTED
-    if status < 0:
-        print(f"error: {command[0]} was ended by signal {-status} ({signal.Signals(-status).name})")
-    return status if status >= 0 else 128 - status
-
-
-def _follow(lines, announce):
-    """Print a solver's lines; announce the share that is simulated."""
-    for line in lines:
-        print(line, end="")
-        if (progress := _PROGRESS.search(line)) is not None:
-            time_s, duration_s = map(float, progress.groups())
-            announce(max(0.0, time_s) / max(duration_s, 1e-9))
-
-
-def _draw(task):
-    """Draw the pictures of a run, in a folder that gets its name when all are there; returns (exit
-    status, None)."""
-    from damage.draw.run import save_all
-
-    unfinished = task.pictures.with_name(f".{task.name}.part")
-    try:
-        shutil.rmtree(unfinished, ignore_errors=True)
-        save_all(read_history(task.history), unfinished)
-        os.replace(unfinished, task.pictures)
-    except (InputError, OSError) as error:
-        print(f"error: {task.name}: {error}", file=sys.stderr)
-        return EXIT_FAILED, None
-    return EXIT_OK, None
-
-
-class HistoryKept(Buffer):
-    """Replaces a HistoryWriter and writes its file, but returns the History without reading it."""
-
-    def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
-        attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(
-            layout, File(path, layout, attributes, overwrite), Memory(path, layout, attributes)
-        )
+    return task.point.settings(None, task.number, prog, task.place)

@@ -456,7 +456,7 @@ def test_runs_do_not_start_where_a_link_leads_out_of_the_folder(
     client, tmp_path, monkeypatch, name
 ):
     """In a folder that was sent."""
-    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", None)
+    monkeypatch.setattr("damage.applications.groningen.app.job.subprocess.Popen", None)
     ready_to_start(client)
     link = tmp_path / "out" / name
     link.parent.mkdir(parents=True, exist_ok=True)
@@ -489,7 +489,7 @@ class Ended:
 def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch):
     """Another front or survey, a run that is refused, that fails or that is stopped: the former one
     has another name; what is sent once more changes nothing."""
-    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.job.subprocess.Popen", Ended)
     ready_to_start(client)
     (folder := tmp_path / "out/claim").mkdir()
     written(folder / "claim.json", '{"more_draws": "More draws can help."}')
@@ -516,7 +516,7 @@ def test_the_sheet_of_other_inputs_is_not_offered(client, tmp_path, monkeypatch)
 
 
 def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypatch):
-    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.job.subprocess.Popen", Ended)
     monkeypatch.setattr(Ended, "status", None)
     ready_to_start(client)
     done(client, "start", **START)
@@ -539,7 +539,7 @@ def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypat
     ],
 )
 def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, change, said):
-    monkeypatch.setattr("damage.applications.groningen.app.desk.subprocess.Popen", Ended)
+    monkeypatch.setattr("damage.applications.groningen.app.job.subprocess.Popen", Ended)
     ready_to_start(client)
     done(client, "levels", text=LEVELS)
     shown = {"front": FRONT, "levels": LEVELS, "survey": drawn(CRACK)}
@@ -591,7 +591,7 @@ def test_a_computation_is_started_stopped_and_not_started_twice(tmp_path, monkey
     while not any(
         "x 200 draws" in line or "x 200 trekkingen" in line for line in desk.progress()["lines"]
     ):
-        assert time.monotonic() < until and desk.running, desk.progress()
+        assert time.monotonic() < until and desk.job.running, desk.progress()
         time.sleep(0.2)
     assert not desk.stop()["running"] and str(tmp_path) not in json.dumps(desk.progress()["lines"])
     assert not (tmp_path / "ran").exists()
@@ -605,8 +605,8 @@ def test_a_computation_ends_with_the_page_that_is_killed(tmp_path):
     program = (
         "import sys, threading, time; from damage.applications.groningen.app.desk import Desk; desk"
         " = Desk(sys.argv[1]); one = threading.Thread(target=desk.start, args=(53.36786, 6.71359,"
-        " None, None, 200, 'en')); one.start(); one.join(); time.sleep(1); print(desk.job.pid,"
-        " desk.running, flush=True); time.sleep(600)"
+        " None, None, 200, 'en')); one.start(); one.join(); time.sleep(1);"
+        " print(desk.job.process.pid, desk.job.running, flush=True); time.sleep(600)"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program, str(desk.out)],
@@ -634,12 +634,14 @@ def group(leader):
 def test_a_computation_that_does_not_end_politely_is_killed_with_its_children(tmp_path):
     desk = Desk(tmp_path / "out")
     shell = "trap '' TERM; (trap '' TERM; sleep 600) & echo; wait"
-    desk.job = subprocess.Popen(["sh", "-c", shell], start_new_session=True, stdout=subprocess.PIPE)
-    desk.job.stdout.readline()
-    assert len(group(desk.job.pid)) >= 2
+    desk.job.process = subprocess.Popen(
+        ["sh", "-c", shell], start_new_session=True, stdout=subprocess.PIPE
+    )
+    desk.job.process.stdout.readline()
+    assert len(group(desk.job.process.pid)) >= 2
     desk.stop(0.1)
-    wait_until(lambda: not group(desk.job.pid), at_most_s=2)
-    desk.job.stdout.close()
+    wait_until(lambda: not group(desk.job.process.pid), at_most_s=2)
+    desk.job.process.stdout.close()
 
 
 # --- words ----------------------------------------------------------------------------------------

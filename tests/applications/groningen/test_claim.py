@@ -25,7 +25,7 @@ from damage.applications.cracks.survey import (
     seen_of,
     surveyed,
 )
-from damage.applications.groningen.claim import make
+from damage.applications.groningen.claim import make, terminal
 from damage.applications.groningen.claim.answer import (
     BUT_FOR,
     PRIORS,
@@ -48,16 +48,18 @@ from damage.applications.groningen.claim.likeness import (
     kernel,
     strange_share,
 )
-from damage.applications.groningen.claim.make import USUAL, USUAL_OPTIONS, describe, layout_of
-from damage.applications.groningen.claim.numbers import Likeness, answers
+from damage.applications.groningen.claim.make import USUAL, USUAL_OPTIONS, layout_of
+from damage.applications.groningen.claim.numbers import Likeness, answers, evidence_of
 from damage.applications.groningen.claim.sheet import in_words, sheet, whether_more_draws_help
+from damage.applications.groningen.claim.terminal import describe
 from damage.applications.groningen.claim.twins import (
     BOTH,
     SHAKEN,
     STATES,
     Twins,
+    causes_of,
     read_twins,
-    write_twins,
+    twins_study,
 )
 from damage.applications.groningen.exposure.lives import read_address
 from damage.applications.report.words import LANGUAGES, all_words, number
@@ -170,14 +172,13 @@ class TestTwins:
         """With one damping of settling stages, which the cracks at rest depend on, and down to the
         same explicit step."""
         address = {"latitude": 53.36786, "longitude": 6.71359, "above_mm_s": 12.0, "within_km": 3.5}
-        study = load_study(write_twins(tmp_path, wall, address, {}, {}, 2), "reference")
+        study = twins_study(tmp_path, wall, causes_of(address, {}, {}), 2)
+        assert load_study(study.path, root=REPOSITORY) == study
         modes = Modes(np.array([0.1]), None, 5e-5, 5e-5)
         found = {}
         for point in study.runs:
-            steps = schemes(point.settings(REPOSITORY), load_wall(point.wall), modes)
-            found[point.point.partition("_")[0]] = [
-                (one.settles, one.mass_scaling, step) for one, step in steps
-            ]
+            steps = schemes(point.settings(REPOSITORY), load_wall(REPOSITORY / point.wall), modes)
+            found[point.entry] = [(one.settles, one.mass_scaling, step) for one, step in steps]
         explicit = found[BOTH]
         assert {one[:2] for one in explicit} == {("adaptive", "none")}
         scaled = len(found[SHAKEN]) - len(explicit)
@@ -507,7 +508,7 @@ class TestSheet:
     def test_evidence_is_that_of_all_runs(self, claimed):
         _, twins, _ = read(claimed)
         history = read_history(next((claimed / "runs").glob("both*.h5")))
-        found = make._evidence(history, ["", "drift 0.4 % (up to 0.3 %); slip of a joint 11 mm"])
+        found = evidence_of(history, ["", "drift 0.4 % (up to 0.3 %); slip of a joint 11 mm"])
         assert len(twins.outside) == 2 * len(twins)
         assert found["drift"]["outside_share"] == 0.5 and found["drift"]["inside"] is False
         assert found["corners with other walls"]["outside_share"] == 0
@@ -641,8 +642,8 @@ def test_the_size_of_a_draw_does_not_depend_on_their_number(tmp_path):
     for draws in (10, 192):
         (folder := tmp_path / str(draws)).mkdir()
         wall = REPOSITORY / "walls/variants/small.py"
-        study = write_twins(folder, wall, address, USUAL_OPTIONS, {}, draws)
-        sizes.append(make.size_of(load_study(study, "reference", REPOSITORY)))
+        causes = causes_of(address, USUAL_OPTIONS, {})
+        sizes.append(terminal.size_of(twins_study(folder, wall, causes, draws)))
     assert sizes[0] == sizes[1]
 
 

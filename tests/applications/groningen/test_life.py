@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import (
+    REPOSITORY,
     one_line_error,
     refused_with,
     wall_file,
@@ -30,9 +31,9 @@ from damage.applications.groningen.life.results import (
     describe,
     largest_alone,
     life_of,
+    life_study,
     lives_of,
     over_time,
-    write_study,
 )
 from damage.applications.studies.definition import load_study
 from damage.measure.cycles import shocks_table
@@ -237,8 +238,8 @@ class TestStudy:
             "component": None,
             "strong": [0.05, 0.1],
         }
-        path = write_study(tmp_path, "symmetric", address, {"rest": 0.2, "settle": "tilt"}, 60)
-        study = load_study(path, "reference")
+        study = life_study(tmp_path, "symmetric", address, {"rest": 0.2, "settle": "tilt"}, 60)
+        assert load_study(study.path, root=REPOSITORY) == study
         assert [one.point for one in study.runs] == [
             "life_from1",
             "life_from49",

@@ -26,16 +26,10 @@ pytest.importorskip("jinja2")
 from damage.applications.report import study_part
 from damage.applications.report.plain import plain
 from damage.applications.report.report import Words, page
-from damage.applications.report.study_part import (
-    BELOW,
-    LEFT,
-    TALL,
-    axes,
-    charts,
-    column_words,
-    labels,
-)
+from damage.applications.report.study_charts import BELOW, LEFT, TALL, axes, charts
+from damage.applications.report.study_part import labels
 from damage.applications.report.tables import OTHER_CRITERIA
+from damage.applications.studies.states import column_words
 
 VOID = {"meta", "link", "img", "input", "br", "wbr"}
 RAMP = np.linspace(0, 1, 21)

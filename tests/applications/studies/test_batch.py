@@ -28,7 +28,7 @@ from small_history import make_history
 
 from benchmarks.resume import kill_tree
 from damage.__main__ import main
-from damage.applications.studies import command, folder, worker
+from damage.applications.studies import batch, command, folder, yade_process
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.inputs import as_json, inputs_of
 from damage.applications.studies.outdated import Results
@@ -384,7 +384,7 @@ class TestInputsThatChange:
                 edit()
                 super().run(*arguments)
 
-        monkeypatch.setattr(command, "Pool", Late)
+        monkeypatch.setattr(batch, "Pool", Late)
 
     @pytest.mark.slow
     def test_a_run_of_other_inputs_is_not_made_and_said_in_a_line(
@@ -417,9 +417,11 @@ class TestInputsThatChange:
         note = {run.id: as_json(inputs_of(run, REPOSITORY))}
         task.part.parent.mkdir()
         monkeypatch.setattr(
-            worker, "_run_solver", lambda *_: sent.append("ran") or (make_history(task.part) and 0)
+            yade_process,
+            "_run_solver",
+            lambda *_: sent.append("ran") or (make_history(task.part) and 0),
         )
-        status, words = worker._run_yade(task, SimpleNamespace(send=lambda _: None), -1, note)
+        status, words = yade_process.run_yade(task, SimpleNamespace(send=lambda _: None), -1, note)
         assert (
             sent == ["ran"]
             and status == CHANGED
@@ -427,7 +429,7 @@ class TestInputsThatChange:
         )
         assert not task.part.exists() and not task.history.exists()
         wall_file(tmp_path / "tiny.py", TINY.replace("0.6", "0.45"))
-        assert worker._run_yade(task, None, -1, note) == (
+        assert yade_process.run_yade(task, None, -1, note) == (
             CHANGED,
             ["wall.height 0.6 -> 0.45"],
         ) and sent == ["ran"]

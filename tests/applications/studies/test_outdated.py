@@ -12,13 +12,12 @@ from small_history import make_history
 from damage.applications.groningen import options
 from damage.applications.groningen.exposure import lives
 from damage.applications.studies.definition import load_study
-from damage.applications.studies.inputs import as_json, differences, inputs_of
+from damage.applications.studies.inputs import as_json, changes, differences, inputs_of
 from damage.applications.studies.outdated import CODE, Results
 from damage.applications.studies.plan import print_plan
 from damage.applications.studies.records import NAME, line_of, read_records, record_of
 from damage.applications.studies.tables import summary_of
 from damage.applications.studies.tasks import Task
-from damage.applications.studies.worker import changes
 from damage.motion.formats import shipped_records
 from damage.provenance import model_digest
 

@@ -29,7 +29,7 @@ from numpy.testing import assert_allclose
 from small_history import make_history
 from test_batch import study_here
 
-from damage.applications.studies import command
+from damage.applications.studies import batch
 from damage.applications.studies.definition import load_study, option_table, run_name
 from damage.applications.studies.read import describe_table
 from damage.applications.studies.records import NAME as RECORDS
@@ -293,7 +293,7 @@ class TestBatch:
     def test_failing_runs_stop_no_other_and_nothing_is_made_twice(self, batches, monkeypatch):
         """Then with the parameters that failed corrected, which touches no other run."""
         monkeypatch.setattr(run, "PICTURES", {"drift": run.PICTURES["drift"]})
-        monkeypatch.setattr(command, "WATCH_S", 0.0)
+        monkeypatch.setattr(batch, "WATCH_S", 0.0)
         done, calls = batches.run(batches.study("all", good=1, fails=2, unfinished=3))
         assert (done.returncode, calls) == (1, ["1", "2", "3"])
         assert " % simulated; time left not known yet" in done.stdout

@@ -30,6 +30,8 @@ from damage.applications.groningen.claim.likeness import (
 )
 from damage.applications.groningen.claim.twins import SHAKEN
 from damage.applications.groningen.exposure.exposure import strongest
+from damage.measure.evidence import evidence_for, names_outside
+from damage.measure.summary import summarise
 from damage.provenance import commit
 from damage.units import MILLIMETRE
 from damage.version import VERSION
@@ -207,14 +209,25 @@ def at_the_end(twins):
     return states
 
 
-def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
+def evidence_of(history, outside):
+    """Judgement of the range of validity on a history, with the share of all runs that are outside;
+    outside: of Twins."""
+    evidence = evidence_for(history.masonry_wall, history.parameters, summarise(history))
+    runs = list(map(names_outside, outside))
+    for name, quantity in evidence.items():
+        quantity["outside_share"] = float(np.mean([name in of for of in runs]))
+        if quantity["outside_share"]:
+            quantity["inside"] = False
+    return evidence
+
+
+def numbers_of(twins, survey, wall, exposure, choices, settlement, first):
     """Every number of the sheet, fit for JSON.
 
     wall: Layout; exposure: damage.applications.groningen.exposure.exposure.Exposure; choices: of
     `damage.applications.groningen.exposure.lives.Choices`, how motions are chosen; settlement:
     {"profile", "distortion"} that was given, {"drawn": profiles, "distortion": bounds} otherwise;
-    evidence: {quantity: judgement} of `damage.measure.evidence` on the first draw, with
-    "outside_share" of all runs.
+    first: History of the first draw by both causes.
     """
     events = twins.events[SHAKEN]
     offsets = survey.table["offset"].notna().any() if len(survey.table) else False
@@ -236,5 +249,5 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, evidence):
         "at_the_end": at_the_end(twins),
         "by_event": by_event(twins),
         "events_per_draw": float(len(events) / events["life"].nunique()),
-        "evidence": evidence,
+        "evidence": evidence_of(first, twins.outside),
     }

@@ -16,7 +16,7 @@ import pandas as pd
 
 from damage.applications.cracks.kept import ENDING, FOLDER, SETTLED, START, read_patterns
 from damage.applications.groningen.exposure.lives import read_address
-from damage.applications.groningen.life.results import life_of, write_points
+from damage.applications.groningen.life.results import life_of, study_of_lives
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import read_records
 from damage.errors import InputError
@@ -47,20 +47,23 @@ DRAWN = ("hogging", "sagging", "knick"), (1 / 6000, 1 / 450)
 """Profiles and distortions that the settlement is drawn from where nothing is known of it."""
 
 
-def write_twins(folder, wall, address, options, settlement, draws):
-    """Write the study of a claim into a folder; returns its path.
+def causes_of(address, options, settlement):
+    """{point of the study: (address, options of its runs)}.
 
-    wall, address, options: as of `damage.applications.groningen.life.results.write_study`;
-    settlement: options of a settlement of known shape and size, {} for one of DRAWN; draws: their
-    number.
+    address, options: as of `damage.applications.groningen.life.results.life_study`; settlement:
+    options of a settlement of known shape and size, {} for one of DRAWN.
     """
     ground = {} if settlement else dict(zip(("settle", "distortion"), map(list, DRAWN)))
     # For both: by default, walls on ground that settled would have local damping, which leaves
     # other cracks at rest than the adaptive one of the others.
     options = {"supports": "bricks", "settling": "adaptive", **options}
     # longest first, so that the last runs do not step alone
-    points = {BOTH: (address | ground, options | settlement), SHAKEN: (address, options)}
-    return write_points(Path(folder) / NAME, wall, points, draws, "claim")
+    return {BOTH: (address | ground, options | settlement), SHAKEN: (address, options)}
+
+
+def twins_study(folder, wall, causes, draws):
+    """The Study of a claim in a folder; causes: of `causes_of`; draws: their number."""
+    return study_of_lives(Path(folder) / NAME, wall, causes, draws, "claim")
 
 
 @dataclass(frozen=True)
@@ -137,10 +140,17 @@ def psi_of(width_m, length_m, pairs):
 
 
 def read_twins(folder, layout):
-    """The Twins of a claim's folder whose runs are both done; layout: of the wall.  Raises
-    InputError without one."""
+    """As `twins_of`, of a claim that was made."""
     folder = Path(folder)
-    study = load_study(folder / NAME, "reference")
+    draws = {cause: read_address(folder / f"{cause}.address.toml") for cause in (SHAKEN, BOTH)}
+    return twins_of(load_study(folder / NAME), draws, folder, layout)
+
+
+def twins_of(study, draws, folder, layout):
+    """The Twins whose runs are both done.  Raises InputError without two.
+
+    study: of `twins_study`; draws: {point: Draws of its address}; layout: of the wall.
+    """
     records = read_records(folder)
     done = {SHAKEN: {}, BOTH: {}}
     for run in study.runs:
@@ -148,9 +158,7 @@ def read_twins(folder, layout):
             run.offset + number: (record, folder / FOLDER / f"{run.name(number)}{ENDING}")
             for number, record in records.of_point(run).items()
         }
-        done[run.point.partition("_from")[0]] |= {
-            number: life for number, life in runs.items() if life[1].is_file()
-        }
+        done[run.entry] |= {number: life for number, life in runs.items() if life[1].is_file()}
     numbers = sorted(done[SHAKEN].keys() & done[BOTH].keys())
     if len(numbers) < 2:
         raise InputError(
@@ -166,7 +174,6 @@ def read_twins(folder, layout):
         name: np.array([pattern.at(moment, layout.n_joints) for pattern in patterns[point]], "f4")
         for name, (point, moment) in STATES.items()
     }
-    draws = {point: read_address(folder / f"{point}.address.toml") for point in done}
     rows = {point: [done[point][number][0]["row"] for number in numbers] for point in done}
     fell = {
         point: np.array([row.get("collapsed_at_s") is not None for row in rows[point]])

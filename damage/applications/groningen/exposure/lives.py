@@ -184,18 +184,6 @@ class Draws:
             sign,
         )
 
-    def events_of(self, number):
-        """(identifiers, PGV [mm/s]) of the events of a life, by its number from 1, as `life`
-        chooses them."""
-        pgv, _, _ = self.pgv(number)
-        chosen = self._chosen(pgv)
-        return np.asarray(self.exposure.catalogue.id)[chosen], pgv[chosen]
-
-    def _chosen(self, pgv):
-        """Which events of a life are part of it (n_events,), by their PGV."""
-        largest = pgv == pgv.max()
-        return largest if self.choices.largest_alone else (pgv >= self.choices.above_mm_s) | largest
-
     def settlement(self, number):
         """The Settlement before the first event of a life, by its number from 1; None where none is
         drawn.  Its draws are apart from those of the motions."""
@@ -219,9 +207,10 @@ class Draws:
         other.  Raises InputError where no component may be scaled to a PGV.
         """
         pgv, share, sign = self.pgv(number)
-        return self._table(
-            (k, pgv[k], sign[k], share[k]) for k in np.flatnonzero(self._chosen(pgv))
-        )
+        chosen = pgv == pgv.max()
+        if not self.choices.largest_alone:
+            chosen |= pgv >= self.choices.above_mm_s
+        return self._table((k, pgv[k], sign[k], share[k]) for k in np.flatnonzero(chosen))
 
     def event(self, date, number=None):
         """Table of one row, as of `life`, of the event of a date, such as 2012-08-16 or more of its

@@ -8,6 +8,7 @@ import json
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,8 @@ import pandas as pd
 from damage.applications.groningen.exposure.columns import TABLES
 from damage.applications.groningen.exposure.lives import Draws, read_address
 from damage.applications.groningen.life.estimate import probability
-from damage.applications.studies.definition import FROM, load_study
+from damage.applications.studies.definition import load_study, study_of
+from damage.applications.studies.folder import ROOT
 from damage.applications.studies.records import read_records
 from damage.errors import InputError
 from damage.files import write_text
@@ -33,43 +35,42 @@ POINT = "life"
 LARGEST = "life_largest"
 
 
-def write_study(folder, wall, address, options, lives):
-    """Write the addresses' files and the study's into a folder; returns the study's path.
+def life_study(folder, wall, address, options, lives):
+    """The Study of lives with all events and with the largest alone, in a folder.
 
     wall: its file or the name of one that ships; address: {key of
     `damage.applications.groningen.exposure.lives.KEYS`: value}, None where not given; options: of
     each run, {name: value}; lives: their number.
     """
     points = {POINT: (address, options), LARGEST: (address | {"largest_alone": True}, options)}
-    return write_points(Path(folder) / NAME, wall, points, lives, "life", "python3 -m damage lives")
+    conclusion = {"conclusion": "python3 -m damage lives"}
+    return study_of_lives(Path(folder) / NAME, wall, points, lives, "life", conclusion)
 
 
-def write_points(path, wall, points, lives, command, conclusion=None):
-    """Write the study file `path` of so many lives of each point, and the addresses' files beside
-    it; returns its path.
+def study_of_lives(path, wall, points, lives, command, more=MappingProxyType({})):
+    """The Study of so many lives of each point; its file `path`, and the addresses' files beside
+    it, are written.
 
-    points: {name: (address, options)} as of `write_study`; command: that writes it; conclusion:
-    that sums it up.
+    points: {name: (address, options)} as of `life_study`; command: that asks for it; more: keys of
+    the study.
     """
+    wall = wall_path(wall)
+    study = {"name": path.stem, "pictures": "none", **more}
     text = [
-        f"# {lives} lives of {shown_path(wall_path(wall))}; written by python3 -m damage {command}",
-        *_toml(
-            {"name": path.stem, "pictures": "none"}
-            | ({"conclusion": conclusion} if conclusion else {})
-        ),
+        f"# {lives} lives of {shown_path(wall)}; written by python3 -m damage {command}",
+        *_toml(study),
     ]
+    entries = []
     for point, (address, options) in points.items():
-        given = _toml({name: value for name, value in address.items() if value is not None})
-        place = write_text(
-            path.with_name(f"{point}.address.toml"), "".join(f"{line}\n" for line in given)
-        )
-        text += [
-            "",
-            "[[runs]]",
-            *_toml({"id": point, "wall": str(Path(wall_path(wall)).resolve()), "lives": lives}),
-            f"options = {{ {', '.join(_toml({'address': str(place.resolve()), **options}))} }}",
-        ]
-    return write_text(path, "\n".join(text) + "\n")
+        lines = _toml({name: value for name, value in address.items() if value is not None})
+        place = path.with_name(f"{point}.address.toml")
+        write_text(place, "".join(f"{line}\n" for line in lines))
+        entry = {"id": point, "wall": str(Path(wall).resolve()), "lives": lives}
+        given = {"address": str(place.resolve()), **options}
+        entries.append({**entry, "options": given})
+        text += ["", "[[runs]]", *_toml(entry), f"options = {{ {', '.join(_toml(given))} }}"]
+    write_text(path, "\n".join(text) + "\n")
+    return study_of({**study, "runs": entries}, path, root=ROOT)
 
 
 def _toml(table):
@@ -146,9 +147,12 @@ def lives_of(folder):
     for run in study.runs:
         if run.varied == "life":
             draws = read_address(dict(run.options)["address"])
-            point = run.point.rpartition(FROM)[0]
             lives += [
-                Lives(point, draws, life_of(record, draws, run.offset + number).assign(point=point))
+                Lives(
+                    run.entry,
+                    draws,
+                    life_of(record, draws, run.offset + number).assign(point=run.entry),
+                )
                 for number, record in records.of_point(run).items()
             ]
     if not any(len(part.table) for part in lives):
