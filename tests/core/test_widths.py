@@ -175,7 +175,7 @@ def test_a_wall_has_the_same_bits_alone_and_as_any_member_of_a_batch(kind):
 
 @pytest.mark.long
 def test_joints_of_deformable_bricks_end_each_by_itself():
-    """Of dry pairs, each pushed at a speed of its own."""
+    """Three dry pairs are pushed at different speeds; the two fast ones reach their joint's end."""
     joint = Joint(tensile_strength=0.0, cohesion=0.0)
     wall = Wall("pair", 0.1125, 0.15, precompression=0.0, joint=joint)
     layout = lay_out(wall, ModelOptions(bricks="deformable", contacts="gauss", lintel="none"))
