@@ -91,6 +91,9 @@ def wall_picture(
     sample: "max" (of the damage index), "end", or an index into the series; slip, threshold [m]:
     what counts as slipped and opened, see `damage.index`; magnify: factor on displacements and
     rotations, None for one that makes them visible.
+
+    >>> len(wall_picture(history, "max").axes)
+    1
     """
     shape = wall_shape(history, sample, slip, threshold, magnify)
     figure, ax = style.new_figure(1.0)
@@ -143,7 +146,11 @@ def _with_words(figure, ratio, history, lines, handles):
 
 
 def has_heap(history: History) -> bool:
-    """Whether a History's bodies were followed beyond its collapse (`--after-fall`)."""
+    """Whether a History's bodies were followed beyond its collapse (`--after-fall`).
+
+    >>> has_heap(history)
+    False
+    """
     times = history.snapshot_time_s
     return (
         history.collapsed_at_s is not None
@@ -431,6 +438,9 @@ def index_picture(history: History) -> Figure:
     its components.
 
     Thin dashed lines show the index with another slip criterion, the shear limit.
+
+    >>> [ax.get_ylabel() for ax in index_picture(history).axes][-1]
+    'damage index [-]'
     """
     sample, largest = choose_sample(history, "max")
     time_s = history.series["time_s"].to_numpy()
@@ -509,7 +519,11 @@ def _draw_index(ax, index, latched):
 @style.styled
 def drift_picture(history: History) -> Figure:
     """Figure of the drift ratio over time, with the published limits of light damage in its
-    range."""
+    range.
+
+    >>> len(drift_picture(history).axes) > 0
+    True
+    """
     check_samples(history)
     figure, ax = style.new_figure(2.1)
     drift, unit = style.scaled_drift(history)
@@ -536,6 +550,9 @@ def hysteresis_picture(history: History) -> Figure:
     settling.
 
     Raises InputError where the run has no motion.
+
+    >>> hysteresis_picture(pushed).axes[0].get_xlabel()
+    'drift ratio [%]'
     """
     check_samples(history)
     if not is_moving(history.series).any():
@@ -593,7 +610,11 @@ def hysteresis_picture(history: History) -> Figure:
 @style.styled
 def energy_picture(history: History) -> Figure:
     """Figure of the energies since the end of the static stage: supplied, stored, dissipated in the
-    joints and damped; below, their imbalance."""
+    joints and damped; below, their imbalance.
+
+    >>> len(energy_picture(history).axes) > 0
+    True
+    """
     check_samples(history)
     series = history.series
     groups = energy_groups(series)
@@ -678,12 +699,20 @@ def save_all(history: History, folder: str | Path) -> list[Path]:
 
 
 def is_pushed(history: History) -> bool:
-    """Whether the top of a History is pushed once, and not moved to and fro."""
+    """Whether the top of a History is pushed once, and not moved to and fro.
+
+    >>> is_pushed(pushed), is_pushed(history)
+    (True, False)
+    """
     return isinstance(history.loading, TopDisplacement) and not history.loading.cycles
 
 
 def has_sequence(history: History) -> bool:
-    """Whether a History has more than one event."""
+    """Whether a History has more than one event.
+
+    >>> bool(has_sequence(history))
+    False
+    """
     return len(history.series) > 0 and history.series["shock"].iloc[-1] > 1
 
 

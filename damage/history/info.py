@@ -41,7 +41,11 @@ applied, and the time step unless --dt gives it."""
 
 def check(path: str | Path) -> dict:
     """State of the file at `path`: {"file", "worth": one of WORTH, "status", "samples", "until_s",
-    "says"}."""
+    "says"}.
+
+    >>> check(history.path)["worth"]
+    'whole'
+    """
     try:
         history = read_history(path)
         head = read_head(file_of(path))
@@ -76,7 +80,11 @@ def describe_check(checked: list[dict]) -> str:
 
 def made_by(history: History) -> dict:
     """{"software", "commit", "model_digest"} of a History; "unknown" outside git and of other
-    writers."""
+    writers.
+
+    >>> sorted(made_by(history))[:2]
+    ['commit', 'model_digest']
+    """
     return {
         name: history.versions.get(key, UNKNOWN)
         for name, key in (
@@ -98,7 +106,11 @@ def origin(history: History) -> str:
 
 def info(history: History) -> dict:
     """Origin of a History, a plain dictionary: "parameters" as stored in the file, and "results",
-    those that follow from other parameters."""
+    those that follow from other parameters.
+
+    >>> sorted(info(history))[:2]
+    ['caps', 'collapsed_at_s']
+    """
     top = history.bodies[history.bodies["course"] == -1]
     joints = history.joints
     thickness = joints["area_m2"].sum() / joints["length_m"].sum() if len(joints) else float("inf")
@@ -135,7 +147,11 @@ def given(about: dict) -> dict:
 def describe(about: dict) -> str:
     """The `info` of a history as lines for people: what made it and its caps, the results that
     precede the motion (static stage, periods, measures of the motion), then every parameter that
-    was given or has its default."""
+    was given or has its default.
+
+    >>> describe(info(history)).splitlines()[0]
+    'file          run.h5'
+    """
     lines = [
         f"{name:14s}{about[name]}"
         for name in (
@@ -167,7 +183,11 @@ def describe(about: dict) -> str:
 
 
 def flat(table: dict, above: str = "") -> Iterator[tuple[str, object]]:
-    """(name with those of the tables above it, value) of all entries, however deep."""
+    """(name with those of the tables above it, value) of all entries, however deep.
+
+    >>> dict(flat({"wall": {"length": 0.9}, "status": "complete"}))
+    {'wall.length': 0.9, 'status': 'complete'}
+    """
     for name, value in table.items():
         if above == "house." and name == "walls":
             yield from flat({item["wall"]["name"]: item for item in value}, "house.walls.")

@@ -29,7 +29,11 @@ def check_samples(history: History) -> None:
 def choose_sample(
     history: History, sample: str | int, slip: str = "displacement", threshold: float = THRESHOLD
 ) -> tuple[int, float]:
-    """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it."""
+    """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it.
+
+    >>> choose_sample(history, "end")[0]
+    20
+    """
     check_samples(history)
     n_times = len(history.series)
     damage = history.index(threshold=threshold, slip=slip)["DI"].to_numpy()
@@ -48,7 +52,11 @@ def choose_sample(
 
 def choose_samples(history: History, moments: Sequence[str | float]) -> list[int]:
     """Samples of the words `rest` (the first), `max` (of DI), `end`, or of times [s], the nearest;
-    InputError for a time outside the run, by more than a sample."""
+    InputError for a time outside the run, by more than a sample.
+
+    >>> choose_samples(history, ["max", 0.05])
+    [0, 5]
+    """
     check_samples(history)
     return [_sample_of(history, moment) for moment in moments]
 
@@ -72,7 +80,11 @@ def _sample_of(history, moment):
 
 def spans_of(time_s: np.ndarray, chosen: np.ndarray) -> list[list[float]]:
     """[[first, last time]] [s] of each stretch of chosen samples; time_s: (n,) [s]; chosen: (n,)
-    bool."""
+    bool.
+
+    >>> spans_of(np.array([0.0, 0.1, 0.2]), np.array([True, True, False]))
+    [[0.0, 0.1]]
+    """
     edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
     return [
         [float(time_s[first]), float(time_s[last - 1])]
@@ -81,7 +93,11 @@ def spans_of(time_s: np.ndarray, chosen: np.ndarray) -> list[list[float]]:
 
 
 def nearest_snapshot(history: History, time_s: float) -> int | None:
-    """Index of the snapshot nearest to a time, None where none is near."""
+    """Index of the snapshot nearest to a time, None where none is near.
+
+    >>> nearest_snapshot(history, 0.1)
+    2
+    """
     times = history.snapshot_time_s
     if len(times) == 0:
         return None
@@ -107,7 +123,11 @@ def joint_states(
     history: History, sample: int, slip: str = "displacement", threshold: float = THRESHOLD
 ) -> np.ndarray:
     """Index into JOINT_STATES of every joint at a sample, (n_joints,), by the criteria of the
-    index."""
+    index.
+
+    >>> joint_states(history, -1)[:2].tolist()
+    [3, 3]
+    """
     opened = history.opening_m[sample] > threshold
     slipped = (
         history.at_limit[sample]
@@ -120,7 +140,11 @@ def joint_states(
 def state_codes(
     opened: np.ndarray, slipped: np.ndarray, broken: np.ndarray | bool = False
 ) -> np.ndarray:
-    """Index into JOINT_STATES of joints, of bool arrays of one shape."""
+    """Index into JOINT_STATES of joints, of bool arrays of one shape.
+
+    >>> state_codes(np.array([True, False]), np.array([True, False])).tolist()
+    [4, 0]
+    """
     codes = [JOINT_STATES.index(name) for name in ("both", "opened", "slipped", "broken")]
     return np.select(
         [opened & slipped, opened, slipped, np.broadcast_to(broken, np.shape(opened))],

@@ -237,7 +237,11 @@ class History:
 
     def slip_by(self, slip: str) -> np.ndarray:
         """Slip by a criterion, (n_times, n_joints) [m]; for `shear-limit`, which needs none, that
-        by `displacement`."""
+        by `displacement`.
+
+        >>> history.slip_by("displacement").shape == history.opening_m.shape
+        True
+        """
         return self.slip_m if slip == "accumulated" else self.offset_m
 
     def index(
@@ -247,7 +251,11 @@ class History:
         slip: str = "displacement",
     ) -> pd.DataFrame:
         """The damage index over time: `damage.index.damage_index` of this run, by this criterion of
-        slip."""
+        slip.
+
+        >>> history.index()[["DI_drift", "DI"]].max().round(4).tolist()
+        [0.05, 0.0729]
+        """
         if self.house and len(self.parameters["house"]["walls"]) > 1:
             raise InputError(
                 f"{self.path} is of a house, which has an index of each wall: expected one of them,"
@@ -299,6 +307,9 @@ def read_history(path: str | Path) -> History:
     Raises InputError where the file is missing, is not a history, has another schema, or was
     changed after its run closed it.  FILE:WALL.h5 is of a wall of the house in FILE.h5,
     FILE:WALL:outside.h5 of a face of it.
+
+    >>> read_history(history.path).complete
+    True
     """
     given = Path(path)
     house, part = _without_part(given)
@@ -327,7 +338,11 @@ def _without_part(path):
 
 
 def file_of(path: str | Path) -> Path:
-    """The file of a history, of which the path may name a wall or a face."""
+    """The file of a history, of which the path may name a wall or a face.
+
+    >>> file_of(history.path).name
+    'run.h5'
+    """
     house, part = _without_part(Path(path))
     return file_of(house) if part else house
 

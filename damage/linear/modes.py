@@ -84,7 +84,13 @@ def joint_stiffness(
 
 def stiffness_matrix(layout: Layout, of: slice | np.ndarray = slice(None)) -> csc_array:
     """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]; of:
-    which contact points, all by default."""
+    which contact points, all by default.
+
+    >>> from damage.wall.layout import lay_out
+    >>> from damage.wall.parameters import Wall
+    >>> stiffness_matrix(lay_out(Wall("pier", 0.9, 1.5))).shape
+    (273, 273)
+    """
     return _stiffness(layout, True, of=of).sparse()
 
 
@@ -239,7 +245,13 @@ def _highest(matrix, start):
 def first_mode(layout: Layout) -> np.ndarray:
     """Shape (n_bodies, coordinates) of the mode of the longest period, scaled as of Modes, by
     inverse iteration: free vibration begins with it, so that its bits are those of sums and
-    products alone."""
+    products alone.
+
+    >>> from damage.wall.layout import lay_out
+    >>> from damage.wall.parameters import Wall
+    >>> first_mode(lay_out(Wall("pier", 0.9, 1.5))).shape
+    (91, 3)
+    """
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
     factor = factorised(_stiffness(layout, mass > 0, massless=1.0))
     shape = np.zeros(mass.shape)

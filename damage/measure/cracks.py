@@ -147,7 +147,11 @@ def crack_table(
 
 
 def ends_of(table: pd.DataFrame) -> np.ndarray:
-    """Both ends of the rows of a table with ENDS, (n, 2, 2) [m]."""
+    """Both ends of the rows of a table with ENDS, (n, 2, 2) [m].
+
+    >>> ends_of(cracks_at(history, -1)).shape
+    (3, 2, 2)
+    """
     return table[list(ENDS)].to_numpy(float).reshape(-1, 2, 2)
 
 
@@ -167,6 +171,9 @@ def cracks_at(history: History, sample: int, threshold: float = THRESHOLD) -> pd
 
     sample: index into its series, negative ones from the end; threshold: crack width [m].  Raises
     InputError where there is no such sample.
+
+    >>> cracks_at(history, -1)["width_m"].round(5).tolist()
+    [0.0002, 0.0004, 0.0002]
     """
     sample, _ = choose_sample(history, sample)
     return crack_table(
@@ -194,6 +201,9 @@ def psi_history(history: History, threshold: float = PSI_FROM) -> pd.DataFrame:
 
     Returns a DataFrame, a row a sample: time_s, psi [-], cracks (their number), crack_length_m,
     mean_width_m (c_w), max_width_m (0 without a crack).
+
+    >>> psi_history(history)["psi"].iloc[-1:].round(2).tolist()
+    [1.55]
     """
     opening = history.active.opening_m
     slip = history.active.slip_by("displacement")
@@ -227,6 +237,9 @@ def count_cracks(is_cracked: np.ndarray, pairs: np.ndarray) -> np.ndarray:
 
     One graph serves all samples at which a segment changes; its nodes are the segments of each of
     them.
+
+    >>> count_cracks(np.array([[True, True], [True, False]]), np.array([[0, 1]])).tolist()
+    [1, 1]
     """
     changed = np.ones(len(is_cracked), bool)
     changed[1:] = (is_cracked[1:] != is_cracked[:-1]).any(axis=1)

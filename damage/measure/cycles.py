@@ -137,7 +137,11 @@ SHOCKS = {
 def shocks_table(history: History) -> pd.DataFrame:
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
     SHOCKS.  Residual values are None of an event without a settling
-    stage."""
+    stage.
+
+    >>> len(shocks_table(history))
+    1
+    """
     cracks = psi_history(history)
     rows = []
     values = index_by_all(history).assign(

@@ -29,6 +29,9 @@ def energy_groups(series: pd.DataFrame) -> dict[str, np.ndarray]:
     and potential; dissipated_energy_j: friction and fracture in the joints; damping_energy_j:
     viscous damping.  NaN where the solver does not record a term.  The input is the sum of the
     others, less the energy stored at the first sample.
+
+    >>> sorted(energy_groups(history.series))
+    ['damping_energy_j', 'dissipated_energy_j', 'input_energy_j', 'stored_energy_j']
     """
     stored, dissipated = (
         series[list(names)].sum(axis=1, min_count=1) for names in (STORED, DISSIPATED[:2])
@@ -42,7 +45,11 @@ def energy_groups(series: pd.DataFrame) -> dict[str, np.ndarray]:
 
 
 def known_energies(series: pd.DataFrame) -> pd.DataFrame:
-    """All energies of a series, a DataFrame [J], zero where the solver does not record them."""
+    """All energies of a series, a DataFrame [J], zero where the solver does not record them.
+
+    >>> len(known_energies(history.series))
+    21
+    """
     return series[[*STORED, *DISSIPATED, "input_energy_j"]].fillna(0.0)
 
 
@@ -58,7 +65,11 @@ def noise_j(mass_kg: float, height_m: float) -> float:
 
 def imbalance(series: pd.DataFrame) -> np.ndarray:
     """Imbalance of the energies, (n_times,) [J]: stored and dissipated less input, relative to the
-    first sample."""
+    first sample.
+
+    >>> imbalance(history.series).shape
+    (21,)
+    """
     total = sum(series[name].to_numpy() for name in (*STORED, *DISSIPATED))
     total = total - series["input_energy_j"].to_numpy()
     return total - total[0]
@@ -69,6 +80,9 @@ def energy_error(series: pd.DataFrame, noise: float = 0.0) -> float | None:
 
     series: of a History; noise: least scale [J].  None where the scale is not above it, or below
     two samples.
+
+    >>> energy_error(history.series)
+    0.0
     """
     before = series[series["stage"] != "settling"]
     if len(before) < 2:
@@ -79,7 +93,11 @@ def energy_error(series: pd.DataFrame, noise: float = 0.0) -> float | None:
 
 def energy_error_of(history: History) -> float | None:
     """Energy balance error of a History [-] (`energy_error`); None where its input is rounding
-    error (`noise_j`)."""
+    error (`noise_j`).
+
+    >>> energy_error_of(history)
+    0.0
+    """
     return energy_error(
         history.series, noise_j(history.bodies["mass_kg"].sum(), history.attributes["height_m"])
     )
@@ -87,7 +105,11 @@ def energy_error_of(history: History) -> float | None:
 
 def balance_error(history: History) -> float | None:
     """Energy balance error of a History [-] (`energy_error_of`); None for quasi-static runs of
-    YADE, whose damping energy is computed from the balance."""
+    YADE, whose damping energy is computed from the balance.
+
+    >>> balance_error(history)
+    0.0
+    """
     return (
         None
         if history.solver == "yade" and history.loading.drive.quasi_static

@@ -17,7 +17,12 @@ SECANT_SHARE = 0.7
 def since_the_push(history: History) -> tuple[np.ndarray, ...]:
     """Base shear [N], drift ratio [-] and top displacement [m] of all samples, (n,) each.  The
     latter two are counted from time zero, the last sample of a settlement stage, where the push
-    begins; before it all are zero."""
+    begins; before it all are zero.
+
+    >>> shear, drift, top = since_the_push(pushed)
+    >>> round(float(drift.max()), 4), shear.shape
+    (0.002, (21,))
+    """
     force, drift, top = (
         history.series[name].to_numpy()
         for name in ("base_shear_n", "drift_ratio", "top_displacement_m")
@@ -37,7 +42,11 @@ def since_the_push(history: History) -> tuple[np.ndarray, ...]:
     }
 )
 def peak_base_shear(history: History) -> float:
-    """Largest |base shear| of a History under any loading [N]."""
+    """Largest |base shear| of a History under any loading [N].
+
+    >>> float(peak_base_shear(pushed)["peak_base_shear_n"])
+    10000.0
+    """
     return float(np.abs(history.series["base_shear_n"]).max())
 
 
@@ -65,6 +74,9 @@ def first_loading(history: History):
     stiffnesses are taken where |base shear| first reaches INITIAL_SHARE and SECANT_SHARE of the
     peak.  They are of the entire run, in whichever direction each is reached first; `bilinear` uses
     the envelope in one direction.
+
+    >>> float(first_loading(pushed)["drift_at_peak_force"])
+    0.001
     """
     if history.loading.drive.top is None:
         return None

@@ -64,6 +64,9 @@ def flat_summary(
     """{column: value} of what a History is, and of all MEASURES; arguments: of `summarise`.
 
     Raises InputError where the history has no sample.
+
+    >>> round(flat_summary(history)["max_DI"], 4)
+    0.0729
     """
     check_samples(history)
     elastic = elastic_share(history.plan, history.joints, history.bodies)
@@ -121,6 +124,9 @@ def summarise(
     inside the range of validity (`damage.measure.evidence`).
 
     Raises InputError where the history has no sample.
+
+    >>> sorted(summarise(history))[:3]
+    ['angular_distortion', 'arias_m_s', 'avg_sa_g']
     """
     numbers = flat_summary(history, threshold, drift_limit, slip, psi_from)
     index = {

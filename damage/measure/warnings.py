@@ -53,7 +53,11 @@ def warnings_of(history: History) -> list[Warned]:
 
 def static_warnings(history: History) -> list[str]:
     """Warnings of the static stage, a list of str: failed contact points, or a wall that is not at
-    rest."""
+    rest.
+
+    >>> static_warnings(history)
+    []
+    """
     static = history.static
     warnings = []
     failed = static["broken_joints"]
@@ -81,7 +85,11 @@ def changed_warnings(history: History) -> list[str]:
 
 
 def energy_warnings(error: float | None) -> list[str]:
-    """Warnings of an energy balance error [-] or None, a list of str."""
+    """Warnings of an energy balance error [-] or None, a list of str.
+
+    >>> len(energy_warnings(0.02)), energy_warnings(0.001)
+    (1, [])
+    """
     if error is None or error <= ENERGY_ERROR:
         return []
     return [

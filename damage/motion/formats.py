@@ -165,7 +165,11 @@ def shipped_records() -> dict[str, Path]:
 def record_path(word: str | Path) -> Path:
     """Path of a record, given by its path or by the name of a record that ships, like BGAR_HGE; a
     file of that name comes first.  What is neither is taken for a path, but for a name without
-    ending: InputError."""
+    ending: InputError.
+
+    >>> record_path("BGAR_HGE").name
+    'BGAR_HGE_acc_m_s2.csv'
+    """
     path = check_path(word)
     named = shipped_records()
     if str(path) in named and not is_there(path):

@@ -97,6 +97,10 @@ def rotd100(record: Record, across: Record) -> dict:
     [g]}.
 
     The largest of all directions is the largest length of the vector of both components.
+
+    >>> sums = rotd100(Record("x", 0.01, [0.0, 3.0]), Record("y", 0.01, [0.0, 4.0]))
+    >>> round(float(sums["pga_rotd100_g"]), 4)
+    0.5097
     """
     pair = [component.acceleration_m_s2 for component in (record, across)]
     step_s = record.time_step_s
@@ -125,7 +129,11 @@ velocity."""
 
 def pgv_rotd100_m_s(record: Record, across: Record) -> float:
     """Peak ground velocity in the direction in which it is largest [m/s]; the velocity is exact at
-    each instant looked at."""
+    each instant looked at.
+
+    >>> round(pgv_rotd100_m_s(Record("x", 0.01, np.ones(11)), Record("y", 0.01, np.ones(11))), 4)
+    0.1414
+    """
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
 
     def velocity(one):
@@ -144,6 +152,9 @@ def avg_sa_g(record: Record) -> float:
     L. Eads, E. Miranda, D. G. Lignos (2015), Average spectral acceleration as an intensity measure
     for collapse risk assessment, Earthq. Eng. Struct. Dyn. 44(12), doi:10.1002/eqe.2575, with
     periods of its own: those of stiff houses.
+
+    >>> round(avg_sa_g(Record("pulse", 0.01, np.ones(101))), 3)
+    0.189
     """
     return float(
         np.prod(response_spectrum(record, AVERAGE_PERIODS_S)) ** (1 / len(AVERAGE_PERIODS_S))
@@ -161,6 +172,9 @@ def applied_measures(
     which is not applied, or None.
     The spectral ones have 5 % damping and the rest after the motion, as long as the longest period,
     in which an oscillator may swing further than during a short motion.
+
+    >>> sorted(applied_measures(Record("pulse", 0.01, np.ones(101)), 0.2))[:2]
+    ['arias_m_s', 'avg_sa_g']
     """
     if record is None:
         return dict.fromkeys(APPLIED)
@@ -289,6 +303,9 @@ def oscillator_response(
     With the pole p = w (-z + i sqrt(1 - z^2)) and q = x' - conj(p) x, the equation
     x'' + 2 z w x' + w^2 x = -a becomes q' = p q - a, and x = Im q / Im p. Over a time h in which
     a goes from a0 linearly to a1:  q1 = exp(p h) q0 - a0 phi0 - (a1 - a0) phi1.
+
+    >>> np.shape(oscillator_response(np.ones(11), 0.01, 0.2))
+    (5, 10)
     """
     omega = 2 * math.pi / period_s
     pole = omega * complex(-damping, math.sqrt(1 - damping**2))
@@ -367,7 +384,11 @@ def _pgv(loading):
 
 
 def end_warnings(record: Record) -> list[str]:
-    """Warning of a motion after which the base moves on at more than WARNED_END_VELOCITY of PGV."""
+    """Warning of a motion after which the base moves on at more than WARNED_END_VELOCITY of PGV.
+
+    >>> len(end_warnings(Record("pulse", 0.01, np.ones(101))))
+    1
+    """
     moving = abs(end_velocity_m_s(record))
     peak = pgv_m_s(record)
     if moving <= WARNED_END_VELOCITY * peak:
@@ -386,6 +407,9 @@ def summary(record: Record) -> dict:
     and the 5 % spectrum [g], {period [s]: ordinate}.  Those in APPLIED are the ones that a run with
     this motion has.
     Raises InputError for a record without motion.
+
+    >>> sorted(summary(Record("pulse", 0.01, np.ones(101))))[:3]
+    ['arias_m_s', 'avg_sa_g', 'd5_75_s']
     """
     spectrum_g = response_spectrum(record, SPECTRUM_PERIODS_S)
     return {

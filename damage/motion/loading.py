@@ -193,7 +193,11 @@ class Harmonic(Loading):
 
     def applied(self) -> Record | None:
         """Record of the motion, SINE_SAMPLES a cycle as far as a record's steps allow; None where
-        it has too many."""
+        it has too many.
+
+        >>> Harmonic(0.2, 0.05).applied().time_step_s
+        0.0005
+        """
         shortest, longest = prepare.TIME_STEPS_S
         # four, so that a sample is at every peak
         samples = 4 * max(
@@ -594,7 +598,11 @@ class TopDisplacement(Loading):
         )
 
     def turning_points(self, height: float) -> np.ndarray:
-        """Top displacements [m] at which the motion reverses, for a wall of that height [m]."""
+        """Top displacements [m] at which the motion reverses, for a wall of that height [m].
+
+        >>> TopDisplacement((0.1,)).turning_points(2.0).round(4).tolist()
+        [0.002, -0.002, 0.002, -0.002, 0.0]
+        """
         amplitudes = to_bits(np.array(self.amplitudes_pct) / 100 * height)
         if self.cycles == 0:
             return amplitudes[:1]
@@ -605,6 +613,9 @@ class TopDisplacement(Loading):
 
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
         point is reached.
+
+        >>> TopDisplacement((0.1,), cycles=0).top_displacement(np.array([0.0, 9.0]), 2.0).round(4).tolist()
+        [0.0, 0.002]
         """
         times, points = self.schedule(height)
         areas = np.concatenate([[0.0], np.cumsum((points[1:] + points[:-1]) / 2 * np.diff(times))])
@@ -619,7 +630,11 @@ class TopDisplacement(Loading):
         return (area(time_s) - area(time_s - EASE_S)) / EASE_S
 
     def length_s(self, height: float) -> float:
-        """Time of the motion's end [s]."""
+        """Time of the motion's end [s].
+
+        >>> round(TopDisplacement((0.1,), cycles=0).length_s(2.0), 3)
+        0.5
+        """
         return float(self.schedule(height)[0][-1])
 
     def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:

@@ -190,7 +190,12 @@ def on_axis_of(
 ) -> Record:
     """Return a record on the time axis of another one, by their start times (`start_difference_s`),
     zero where it has no samples; within the window, by default all of the other one, it has to have
-    them."""
+    them.
+
+    >>> one = Record("x", 0.01, np.ones(5))
+    >>> on_axis_of(one, one).late_s
+    0.0
+    """
     step_s = reference.time_step_s
     late_s = start_difference_s(record, reference)
     if abs(record.time_step_s / step_s - 1) > 1e-9:
@@ -226,7 +231,11 @@ def on_axis_of(
 def start_difference_s(record: Record, other: Record) -> float:
     """Start of a record minus the start of another one [s], by their own times where neither has a
     start time; 0 of two that are as long, in equal steps, and begin at the same time of their
-    own."""
+    own.
+
+    >>> start_difference_s(Record("x", 0.01, [1.0, 2.0], first_s=0.1), Record("y", 0.01, [1.0, 2.0]))
+    0.1
+    """
     sizes = {
         (component.time_step_s, component.acceleration_m_s2.size) for component in (record, other)
     }

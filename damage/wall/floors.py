@@ -105,7 +105,12 @@ class FloorPlace(NamedTuple):
 
 
 def floor_places(wall) -> tuple[FloorPlace, ...]:
-    """The FloorPlace of every floor of a wall, in their order."""
+    """The FloorPlace of every floor of a wall, in their order.
+
+    >>> from damage.wall.parameters import Wall
+    >>> floor_places(Wall("pier", 0.9, 1.5))
+    ()
+    """
     return tuple(
         FloorPlace(floor, *floor.span(wall), *floor.courses(wall)) for floor in wall.floors
     )

@@ -106,7 +106,11 @@ class Supports:
 
 
 def contact_normals(contacts: Contacts) -> np.ndarray:
-    """Unit normals (n_contacts, 2) from first to second: +x across head joints, +z else."""
+    """Unit normals (n_contacts, 2) from first to second: +x across head joints, +z else.
+
+    >>> contact_normals(lay_out(Wall("pier", 0.9, 1.5)).contacts)[:1].tolist()
+    [[0.0, 1.0]]
+    """
     head = contacts.upright
     return np.column_stack([head, ~head]).astype(float)
 
@@ -203,7 +207,11 @@ class Layout:
         return np.zeros(0, int)
 
     def box(self, body: int) -> tuple[tuple[float, ...], np.ndarray]:
-        """Centre (x, y, z) and size of a body (3,) [m]."""
+        """Centre (x, y, z) and size of a body (3,) [m].
+
+        >>> [round(float(value), 4) for value in np.ravel(lay_out(Wall("pier", 0.9, 1.5)).box(0))]
+        [0.1125, 0.0, 0.0375, 0.225, 0.1025, 0.075]
+        """
         bodies = self.bodies
         centre = float(bodies.x[body]), 0.0, float(bodies.z[body])
         return centre, np.array(
@@ -351,7 +359,11 @@ class Layout:
 
     def height_of_push(self, floor_shares: Sequence = ()) -> float:
         """Height at which a push is measured [m]: of the drift, or of the resultant on these
-        floors."""
+        floors.
+
+        >>> round(float(lay_out(Wall("pier", 0.9, 1.5)).height_of_push()), 4)
+        1.4625
+        """
         if not floor_shares:
             return self.drift_height
         return float(total(self.push_shares(floor_shares) * self.bodies.z))

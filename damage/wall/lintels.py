@@ -140,7 +140,11 @@ class Lintel:
         return max(1, round(self.built(brick)[0] / brick.height))
 
     def as_dict(self) -> dict:
-        """What is given, for files."""
+        """What is given, for files.
+
+        >>> Lintel("steel").as_dict()["kind"]
+        'steel'
+        """
         return {name: value for name, value in vars(self).items() if value is not None}
 
 

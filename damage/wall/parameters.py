@@ -516,6 +516,10 @@ class Wall:
         Its height is laid to the nearest number of courses, and these to the level at which its
         middle is nearest to where it is given, halves up: both edges by themselves would make three
         courses two or four.  It stays below the wall's top where it is given so.
+
+        >>> wall = Wall("door", 2.0, 1.5, openings=(Opening(0.6, 0.8, 1.0),))
+        >>> wall.opening_courses(wall.openings[0])
+        (0, 13)
         """
         course = self.brick.height
         top = opening.sill + opening.height
@@ -531,7 +535,11 @@ class Wall:
 
     def with_lintels(self, option: str) -> "Wall":
         """The wall that `ModelOptions.lintel` makes of it: its own lintels where that is "elastic",
-        else those of a kind over all openings, or courses."""
+        else those of a kind over all openings, or courses.
+
+        >>> Wall("pier", 0.9, 1.5).with_lintels("none").lintel.kind
+        'courses'
+        """
         if option == "elastic":
             return self
         return replace(

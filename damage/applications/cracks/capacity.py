@@ -57,6 +57,9 @@ def envelope(history: History, sign: int = 1) -> pd.DataFrame:
 
     Its points are the samples whose drift exceeds all earlier ones.  sign: +1 or -1, the direction
     along x.
+
+    >>> envelope(pushed).round(4).iloc[-1].tolist()
+    [0.002, 10000.0]
     """
     force, drift = (sign * values for values in since_the_push(history)[:2])
     reached = np.maximum.accumulate(np.concatenate([[0.0], drift[:-1]]))
@@ -88,7 +91,11 @@ def backbone(history: History, sign: int = 1) -> pd.DataFrame:
 
 def capacity_curve(history: History, sign: int = 1) -> pd.DataFrame:
     """The `backbone` of a cyclic History, the `envelope` of one that is pushed over or ended in its
-    first cycle."""
+    first cycle.
+
+    >>> capacity_curve(pushed).columns.tolist()
+    ['drift_ratio', 'force_n']
+    """
     curve = backbone(history, sign) if pushed_loading(history).cycles else ()
     return curve if len(curve) else envelope(history, sign)
 
@@ -102,7 +109,11 @@ def averaged(curve: pd.DataFrame, width: float) -> pd.DataFrame:
 
 def mean_force(curve: pd.DataFrame, drift: float) -> float:
     """Mean force [N] of an `envelope` from zero to a drift [-]: the energy that it takes up over
-    the displacement."""
+    the displacement.
+
+    >>> round(mean_force(capacity_curve(pushed), 0.002))
+    7500
+    """
     drifts, force = _from_zero(curve)
     inside = drifts < drift
     drifts, force = (
@@ -121,6 +132,9 @@ def bilinear(curve: pd.DataFrame, height: float) -> dict[str, float]:
     the curve the force is linear.  curve: an `envelope` or `backbone`; height: of the wall [m].
     Returns {"stiffness_n_per_m", "force_n", "elastic_drift" [-], "ultimate_drift" [-], "energy_j":
     below the line}.
+
+    >>> sorted(bilinear(capacity_curve(pushed), 0.45))
+    ['elastic_drift', 'energy_j', 'force_n', 'stiffness_n_per_m', 'ultimate_drift']
     """
     drift, force = _from_zero(curve)
     peak = force.max()
@@ -178,6 +192,9 @@ def capacity(history: History, to: float | None = None) -> dict:
     not go so far; farthest_drift: what was reached; ended: whether the force fell below
     ULTIMATE_SHARE of the peak; failure: `mode_shares` up to the ultimate drift;
     ultimate_drift_note: how far predicted ones were off.
+
+    >>> round(float(capacity(pushed)["peak_force_n"]))
+    10000
     """
     height = history.attributes["drift_height_m"]
     curves = loaded_curves(history).values()
@@ -221,7 +238,11 @@ def _crossing(drift, force, before, level):
 
 def drift_at_first_crack(history: History) -> float | None:
     """|Drift ratio| at the first sample in which a contact point has opened, or slipped by
-    displacement, by more than 0.1 mm [-]; None without one."""
+    displacement, by more than 0.1 mm [-]; None without one.
+
+    >>> drift_at_first_crack(pushed)
+    0.0002
+    """
     visible = (history.opening_m > THRESHOLD) | (
         np.abs(history.slip_by("displacement")) > THRESHOLD
     )
@@ -289,6 +310,9 @@ def mode_shares(history: History, until: float = np.inf) -> dict:
     stair_share: share of the slipped length beside an opened head joint, as in a stepped crack [-].
     mode: "flexure" where opened_m2 is at least slipped_m2, else "shear, diagonal" where stair_share
     is at least STAIR_SHARE, else "shear, sliding"; None where no bed joint opened or slipped.
+
+    >>> round(float(mode_shares(pushed)["drift_ratio"]), 4)
+    0.002
     """
     joints = history.joints
     brick = history.masonry_wall.brick

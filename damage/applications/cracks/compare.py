@@ -53,6 +53,9 @@ def compare(first: History, others: list[History]) -> dict:
 
     Raises InputError where a history has no sample, they are of different walls, or some have a
     motion and some, as of ground that settles alone, have none.
+
+    >>> sorted(compare(history, [history]))
+    ['agrees', 'drift', 'figures', 'first', 'joints', 'others', 'patterns', 'slip']
     """
     for history in (first, *others):
         check_samples(history)
@@ -83,7 +86,11 @@ def compare(first: History, others: list[History]) -> dict:
 
 
 def numbers_of(history: History) -> dict:
-    """{measure of TOLERANCES: value} of a History, None where a measure does not apply."""
+    """{measure of TOLERANCES: value} of a History, None where a measure does not apply.
+
+    >>> sorted(numbers_of(history))[:3]
+    ['DI', 'DI_open', 'DI_slip_shear_limit']
+    """
     summary = summarise(history)
     return {
         "max_drift_ratio": summary["max_drift_ratio"],
@@ -148,6 +155,9 @@ def compare_drift(first: History, second: History) -> dict:
     diverged_at_s: first time at which they differ by more than DIVERGED of the peak [s], None where
     they never do;
     rms_whole: the RMS difference of the entire runs [-].
+
+    >>> bool(compare_drift(history, history)["agrees"])
+    True
     """
     time, first_drift, second_drift = _common_drift(first, second)
     breaks = [
@@ -207,6 +217,9 @@ def joints_ever(history: History) -> pd.DataFrame:
     Columns: opened (by more than THRESHOLD), slipped (ever at the shear limit) and broken (failed),
     bool; first_break_s: time of the first failure [s], NaN without one; x_m, z_m: mean place;
     state: index of `damage.history.moments.JOINT_STATES` from opened and slipped.
+
+    >>> sorted(joints_ever(history))
+    ['broken', 'first_break_s', 'opened', 'slipped', 'state', 'x_m', 'z_m']
     """
     breaks = history.events[history.events["kind"].isin(BREAKS)]
     first = breaks.groupby("joint")["time_s"].min().reindex(range(len(history.joints)))
@@ -245,6 +258,9 @@ def compare_joints(first: History, second: History) -> dict:
 
     broke_in_either, broke_in_both, same_state: numbers of joints; kappa: `cohens_kappa` of their
     states; median_break_time_difference_s: of the joints that failed in both [s], None without any.
+
+    >>> float(compare_joints(history, history)["kappa"])
+    1.0
     """
     here = joints_ever(first)
     second_states = joints_ever(second)

@@ -38,6 +38,9 @@ def compare_patterns(first: History, second: History) -> dict:
     more than 0.1 mm. Each is {"fss", "shuffled", "mirrored": scores [-], "tells_sides": whether the
     score distinguishes left from right}, all None where nothing has cracked in either run.
     window_m: side of the windows [m].
+
+    >>> sorted(compare_patterns(history, history))
+    ['broken', 'slip', 'visible', 'window_m']
     """
     places = places_of(first)
     others = places_of(second)
@@ -69,6 +72,9 @@ def cracked(history: History, what: str, slip: str = "displacement") -> np.ndarr
 
     what: "broken" (failed), or "visible" (ever opened or slipped by more than 0.1 mm); slip:
     criterion of the latter.
+
+    >>> cracked(history, "opened").sum().item()
+    3
     """
     moving = np.flatnonzero(history.series["stage"] == "motion")
     end = int(moving[-1]) + 1 if len(moving) else len(history.series)
