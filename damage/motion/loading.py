@@ -614,7 +614,8 @@ class TopDisplacement(Loading):
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
         point is reached.
 
-        >>> TopDisplacement((0.1,), cycles=0).top_displacement(np.array([0.0, 9.0]), 2.0).round(4).tolist()
+        >>> push = TopDisplacement((0.1,), cycles=0)
+        >>> push.top_displacement(np.array([0.0, 9.0]), 2.0).round(4).tolist()
         [0.0, 0.002]
         """
         times, points = self.schedule(height)

@@ -233,7 +233,8 @@ def start_difference_s(record: Record, other: Record) -> float:
     start time; 0 of two that are as long, in equal steps, and begin at the same time of their
     own.
 
-    >>> start_difference_s(Record("x", 0.01, [1.0, 2.0], first_s=0.1), Record("y", 0.01, [1.0, 2.0]))
+    >>> late = Record("x", 0.01, [1.0, 2.0], first_s=0.1)
+    >>> start_difference_s(late, Record("y", 0.01, [1.0, 2.0]))
     0.1
     """
     sizes = {
