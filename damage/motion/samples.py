@@ -147,12 +147,12 @@ def _filtered(values, sections):
     value."""
     before = values[0]
     for gain, a1, a2 in sections:
-        one = two = -gain * before
+        first_delay = second_delay = -gain * before
         passed = []
         for value in values:
-            sample = gain * value + one
-            one = two - a1 * sample
-            two = -gain * value - a2 * sample
+            sample = gain * value + first_delay
+            first_delay = second_delay - a1 * sample
+            second_delay = -gain * value - a2 * sample
             passed.append(sample)
         values = passed
         before = 0.0
