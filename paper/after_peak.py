@@ -47,13 +47,15 @@ CYCLES = {
 }
 """Amplitudes [%], one cycle each, and speed [m/s]."""
 UNSEEN = ("comp1_1", "comp2_2")
+"""Walls of the same tests in whose view nothing was chosen, made and pushed as
+docs/guides/tested-wall.md says."""
 ELSEWHERE = ("mi1", "mi2", "isp1", "isp3", "abrams_w1", "abrams_w3")
-"""Walls in whose view nothing was chosen, of the same tests and of other laboratories; made and
-pushed as docs/guides/tested-wall.md says."""
+"""Walls of other laboratories, made and pushed likewise."""
 BEYOND = 1.4
+"""Drift to which a wall that rocks is pushed, over that at which a crushed toe carries no load
+[-]."""
 ON = 0.6
-"""How far a wall that rocks is pushed, in drifts at which a crushed toe carries no load; one that
-slides and has kept its force [%]."""
+"""Drift to which a wall is pushed that slides and has kept its force [%]."""
 SCATTER = 0.35
 """Coefficient of variation of the joints' strengths."""
 ALONG_COURSES = 0.4
@@ -338,10 +340,12 @@ def unseen(bench):
 
 DRAWS = 32
 DRAWN_FAR = 0.26
+"""Drift to which walls are pushed with drawn strengths [%]."""
 DRAWN_SPEED = 8e-3
+"""Speed of these pushes [m/s]."""
 DRAWN_STEP = 0.6
-"""To which drift walls are pushed with drawn strengths [%], how fast [m/s], and the share of the
-critical step: four times as fast as `prediction`, whose draws 1 and 2 are the same."""
+"""Share of the critical step of these pushes: four times as fast as `prediction`, whose draws 1 and
+2 are the same."""
 
 
 def scatter(bench):

@@ -35,8 +35,9 @@ from paper.bench import REPOSITORY, arguments, option
 from yade_scripts import COMMAND
 
 SECONDS = 3.0
+"""Time for which the spandrel is followed [s]."""
 INTERVAL_S = 0.01
-"""Times of the spandrel: how long it is followed, and how often it is looked at [s]."""
+"""Time between two looks at the spandrel [s]."""
 
 
 def main():

@@ -25,8 +25,9 @@ from damage.wall.parameters import nearest
 from paper.bench import FIXED, Bench, arguments, option, print_row, print_table
 
 UNITS = (0.31, 0.25)
+"""Length along the wall and thickness of a unit with its mortar [m]."""
 COURSE = 0.2
-"""Length along the wall and thickness of a unit with its mortar, height of a course [m]."""
+"""Height of a course [m]."""
 SHARE = 0.08
 """Tensile strength of a unit over its compressive strength along the wall."""
 AMPLITUDES = 0.025, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4

@@ -29,18 +29,19 @@ RUNS_AWAY = 0.05
 WINDOW_S = 0.5
 LONGEST_S = 60.0
 GROWING = 4
-"""So many windows in a row, each with no less displacement than the one before, and the wall runs
-away:
-just above its multiplier a wall of many blocks collapses slowly, held back by the damping of its
-rattling."""
+"""Number of windows in a row, each with no less displacement than the one before, after which the
+wall runs away: just above its multiplier a wall of many blocks collapses slowly, held back by the
+damping of its rattling."""
 
 # parts of the multiplier that `falls_of` begins at
 LOADED = 0.98
 LEVELS = (1.02, 1.05, 1.08)
 REACH_M = 0.02
+"""Distance that blocks move in a fall [m]."""
 FALL_S = 1.6
+"""Longest duration of a fall [s]."""
 SAMPLE_S = 5e-3
-"""How far blocks move in a fall, how long it lasts at most, and how often it is sampled."""
+"""Time between two samples of a fall [s]."""
 
 DAMPING = 0.3
 BETA = 0.3

@@ -30,23 +30,25 @@ from verification.softening import between, drive, drive_in_yade, pair
 
 BLOCK = Brick(length=0.4, height=0.8, thickness=0.1)
 TOE = 0.25
-"""A block, and the share of its length that its toe takes."""
+"""Share of the block's length that its toe takes [-]."""
 PUSH_M_S = 4e-4
+"""Largest speed of the block's centre, which grows in parts from nothing [m/s]."""
 PUSHED_M = 2e-4
+"""Distance that the centre is pushed [m]: 0.2 mm shift the load by 0.13 %."""
 PARTS = 20
-"""Largest speed of its centre, which grows in parts from nothing, and how far it is pushed: 0.2 mm
-shift the load by 0.13 %."""
+"""Number of parts in which the speed grows."""
 STRENGTH = 2e6
 """Compressive strength of the joint that is pressed again and again [Pa]."""
 PRESSED = (2.0, 3.0, 4.0)
 """How far, over the depth at which it crushes, the joint is pressed each time."""
 DRY = "without a bond, to 1.2 mm"
+"""Form whose bond is broken first."""
 OPENED = 10.0
-"""The form whose bond is broken first, and how far it is opened for that and pressed then, over the
-others."""
+"""Opening of that form, and how far it is pressed then, over the others [-]."""
 SOFTENS = "softening in compression, without a bond"
+"""Form whose crushing has a fracture energy."""
 ENERGY = 1000.0
-"""The form whose crushing has a fracture energy [J/m2]."""
+"""Fracture energy of that form [J/m2]."""
 _BRITTLE = {"mode_i_fracture_energy": None, "mode_ii_fracture_energy": None}
 FORMS = {
     "brittle": _BRITTLE,

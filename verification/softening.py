@@ -36,10 +36,11 @@ JOINT = Joint(
 """COMP1_3's joints (walls/squat_tested.py) with fracture energies."""
 PRESSURES_MPA = (0.0, 0.1, 0.3, 1.0)
 FINE = 1500
+"""Steps to the first corner, the strength and a half."""
 COARSE = 6000
-"""Steps to the first corner, the strength and a half, and from each to the next."""
+"""Steps from each corner to the next."""
 COARSE_IN_YADE = 1500
-"""Steps in YADE, for problems."""
+"""Steps from each corner to the next in YADE, for problems."""
 
 
 def pair(**changes):

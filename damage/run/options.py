@@ -233,11 +233,13 @@ class Source:
 
 
 SOURCES = []
+"""Sources that applications add."""
 RUN_MEMBERS = []
+"""What runs --members: a function(wall_file, make_wall, RunSettings, words of the command line),
+which returns the exit status."""
 SUMMARY = {}
-"""What applications add: each Source, and what runs --members, a function(wall_file, make_wall,
-RunSettings, words of the command line), which returns the exit status; to a printed summary, {name:
-(function of a History, None where there is nothing; function of that, a list of lines)}."""
+"""Additions to a printed summary, {name: (function of a History, None where there is nothing;
+function of that, a list of lines)}."""
 SOLVERS = "yade", "reference"
 
 

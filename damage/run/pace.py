@@ -6,8 +6,9 @@ import time
 import numpy as np
 
 LEAST_S = 4.0
+"""Time that is followed before a pace is known [s]."""
 LEAST_SHARE = 0.1
-"""Time [s] and share of all work that are followed before a pace is known."""
+"""Share of all work that is followed before a pace is known [-]."""
 STEADY = 1.5
 """Ratio of the paces of two stretches of work up to which they are one."""
 FACTOR = 2.0

@@ -22,12 +22,16 @@ from damage.wall.model_options import ModelOptions
 SLENDER_S = 0.15
 """First period from which on a wall with openings takes the longest of the steps below [s]."""
 SLENDER_STEP_S = 2e-4
+"""Time step with selective mass scaling of such a wall [s]
+(docs/validation/step-and-damping.md)."""
 STIFF_STEP_S = 1e-4
+"""Time step with selective mass scaling of a stiffer wall [s]."""
 DEFORMABLE_STEP_S = 5e-5
-"""Time steps with selective mass scaling [s] (docs/validation/step-and-damping.md)."""
+"""Time step with selective mass scaling of deformable bricks [s]."""
 _SHOWN = ModelOptions(), ModelOptions(bricks="deformable", contacts="gauss")
+"""Models of the runs of that table."""
 _FREE = "lintel", "top", "load", "strength_cov", "strength_seed", "inputs", "supports"
-"""Models of the runs of that table, and options that are free beside them."""
+"""Options that are free beside these models."""
 
 
 def is_shown(settings, wall):

@@ -20,17 +20,22 @@ from damage.wall.model_options import ModelOptions
 SAMPLE_S = 2e-3
 """Time between two samples of a history [s], about; a whole number of steps in the end."""
 RAMP_S = 0.2
+"""Time in which gravity ramps up in the static stage [s]."""
 HOLD_S = 0.2
+"""Least time for which gravity then holds [s]."""
 HOLD_AT_MOST_S = 3.0
-"""Static stage: gravity ramps up, then holds until the wall is at rest [s]."""
+"""Longest time for which gravity holds until the wall is at rest [s]."""
 LONGEST_S = 2000.0
+"""Longest run [s]."""
 MOST_STEPS = 10**8
+"""Largest number of time steps of a run."""
 MOST_STATES = 10**9
-"""What a run may have: length [s], time steps, and states of contact points in all of its samples,
-fifteen bytes each when the history is read."""
+"""Largest number of states of contact points in all samples of a run, fifteen bytes each when the
+history is read."""
 SETTLE_S = 0.5
-"""Length of the settling stage [s] and its local damping [-]: the residual is its last state."""
+"""Length of the settling stage [s]: the residual is its last state."""
 LOCAL_DAMPING = 0.7
+"""Local damping of the settling stage [-]."""
 PUSH_PERIODS = 4
 """Length of the rest after a push, over the first period [-]."""
 ADAPTIVE_DAMPING = 1.0
@@ -43,9 +48,9 @@ AFTER_FALL_S = 10.0
 """Longest time for which bricks are followed after the first one has fallen and the base is at rest
 [s]."""
 RESTS_BELOW_M_S = 0.05
+"""Speed below which fallen bricks rest [m/s]; the standing part may still vibrate."""
 RESTS_FOR_S = 0.2
-"""Speed below which fallen bricks rest [m/s], and for how long [s]; the standing part may still
-vibrate."""
+"""Time for which fallen bricks are slower before they rest [s]."""
 RELAXATIONS = ("adaptive", "local")
 MOST_SCATTER = 0.2
 """Largest coefficient of variation by which members of an ensemble differ [-]: more is another

@@ -36,9 +36,9 @@ ULTIMATE_DRIFT_NOTE = (
 """What a simulated ultimate drift is worth: of the ten shear walls of
 docs/tables/shear_walls_prediction.csv and of COMP2_5, predicted before their results were seen."""
 WINDOWS = 200
+"""Windows up to the largest drift over which the curve of a push is averaged."""
 FAR_ENOUGH = 0.99
-"""Windows up to the largest drift over which the curve of a push is averaged; share of a drift that
-counts as it."""
+"""Share of a drift that counts as the drift [-]."""
 
 
 def pushed_loading(history: History) -> TopDisplacement:

@@ -41,13 +41,13 @@ REQUIRED = {"x_m": _PLACE, "z_m": _PLACE, "ux_m": _DISPLACEMENT, "uz_m": _DISPLA
 """{name: Column} of the file, beside those of the load level,
 `damage.applications.cracks.crack_file.OF_LEVEL`."""
 MOVES_M = 0.05 * MILLIMETRE
+"""Motion of the top course from which the lowest one is compared with it [m]."""
 UPSIDE = 2.0
-"""Motion [m] from which the lowest course is compared with the top one, and how many times that
-one's is doubtful."""
+"""Motion of the lowest course over that of the top one from which it is doubtful [-]."""
 RIGID = 0.1
+"""Largest deviation from a rigid motion, over that, of a course that moves as one [-]."""
 LEAST_SEEN = 0.5
-"""Largest deviation from a rigid motion, over that, of a course that moves as one; share of the
-joints' length below which a field shows little of the wall."""
+"""Share of the joints' length below which a field shows little of the wall [-]."""
 STUCK = 5.0
 """Deviations of the noise from which a point without displacement is not one of its brick."""
 

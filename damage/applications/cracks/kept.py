@@ -17,9 +17,9 @@ from damage.files import write_bytes
 from damage.history.moments import nearest_snapshot
 
 START = -1
+"""Number of the moment before any motion; events count from 1."""
 SETTLED = 0
-"""Numbers of the moments before any motion, and at the end of the settlement; events count from
-1."""
+"""Number of the moment at the end of the settlement."""
 FOLDER = "patterns"
 ENDING = ".npz"
 _REMEDY = "delete it, and the same command makes it again"

@@ -30,7 +30,7 @@ from damage.measure.tables import write_table
 NAMESPACE = "http://openquake.org/xmlns/nrml/0.5"
 CM_PER_M = 100
 _Z = np.linspace(-4.0, 4.0, 33)
-"""Where a curve has its levels, in dispersions from the median: from 0.00003 to 0.99997."""
+"""Levels of a curve, in dispersions from the median: from 0.00003 to 0.99997."""
 COLUMNS = {
     **CURVE,
     "level_unit": Column("", "unit of the level"),

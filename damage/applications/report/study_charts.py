@@ -7,10 +7,13 @@ from damage.applications.report.charts import RUN_STYLES
 from damage.applications.studies.states import column_words, there
 
 WIDE = 420
+"""Width of a chart, in pixels of its own."""
 TALL = 270
+"""Height of a chart."""
 LEFT = 68
+"""Room for labels on the left of a chart."""
 BELOW = 38
-"""Size of a chart, and room for its labels on the left and below, pixels of its own."""
+"""Room for labels below a chart."""
 PLOTTED = ("max_DI", "residual_DI")
 """Measures that are drawn over the intensity."""
 

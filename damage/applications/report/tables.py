@@ -15,8 +15,9 @@ from damage.wall.as_built import describe_cap
 
 SECTIONS = {**MEASURES, "Run and parameters": RUN | PARAMETERS, "Provenance": MADE_BY}
 DIGITS = 3
+"""Significant digits of results, as on the screen."""
 GIVEN_DIGITS = 5
-"""Significant digits of results, as on the screen, and of what a run was given."""
+"""Significant digits of what a run was given."""
 ENERGIES = {
     "input_energy_j": "supplied",
     "kinetic_energy_j": "kinetic, stored",
@@ -31,8 +32,9 @@ OTHER_CRITERIA = tuple(
 )
 """Beginnings of columns by other criteria of slip than that of the run's results."""
 LEAST_PLAIN = 1e-4
+"""Least number that is written without an exponent."""
 MOST_PLAIN = 1e6
-"""Between them numbers are written without an exponent."""
+"""Largest number that is written without an exponent."""
 COLUMNS = {
     name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
     for columns in SECTIONS.values()

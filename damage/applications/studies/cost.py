@@ -19,10 +19,11 @@ OVERHEAD = 500
 SCALED = 4.0
 """Explicit steps that a step with scaled masses takes the time of."""
 RUN = 6e7
+"""Cost of a run before and after its steps, in contact points times steps that take as long."""
 DRAWING = 7e8
+"""Cost of the pictures of a run, in the same unit."""
 TABLES = 2e8
-"""What a run costs before and after its steps, its pictures, and the tables of a study: contact
-points times steps that take as long."""
+"""Cost of the tables of a study, in the same unit."""
 
 
 @cache

@@ -69,8 +69,9 @@ LEAST_MEMBERS = 5
 JUDGED = ("max_DI", "max_drift_ratio")
 """Measures whose spread `tails_are_heavy` judges."""
 LIVES_A_POINT = 48
+"""Largest number of lives of a point."""
 FROM = "_from"
-"""Most lives of a point, and what its name has before the number of the first."""
+"""Words before the number of the first life in a point's name."""
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people",

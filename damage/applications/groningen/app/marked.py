@@ -11,8 +11,9 @@ from damage.wall.geometry import joint_table, tributary_ends
 
 SURVEY = "survey.csv"
 MOST_LINES = 500
+"""Largest number of cracks and areas of a survey."""
 MOST_POINTS = 500
-"""Cracks and areas of a survey; points of each."""
+"""Largest number of points of a crack."""
 
 
 def surveyed(survey, layout):

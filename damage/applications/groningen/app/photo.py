@@ -9,12 +9,14 @@ import numpy as np
 from damage.errors import InputError
 
 MOST_BYTES = 20_000_000
+"""Largest size of an upload [bytes]."""
 MOST_PIXELS = 50_000_000
+"""Largest number of pixels of an upload."""
 LONGEST_PX = 4000
-"""What an upload may have; longer sides are made smaller."""
+"""Longest side of a picture, to which longer ones are made smaller [pixels]."""
 FORMATS = "JPEG", "PNG"
 MARGIN_M = 0.1
-"""How much is shown around the wall [m]."""
+"""Margin that is shown around the wall [m]."""
 # of a rectified picture: its longer side, and pixels in a metre
 _MOST_PX = 2400
 _MOST_PX_M = 400

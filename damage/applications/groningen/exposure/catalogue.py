@@ -31,9 +31,10 @@ from damage.files import DATA, text_lines, write_text
 SHIPPED = DATA / "groningen" / "knmi_catalogue_1991_2022.csv"
 """The catalogue that ships: its README says what it is."""
 SHALLOW_KM = 5.0
+"""Depth beyond which events are named, since models take the field's 3 km."""
 DEEPEST_KM = 10.0
-"""Depths beyond which events are named, since models take the field's 3 km, and are left out: 10 km
-is what agencies without near stations fix, and no gas field is deeper."""
+"""Depth beyond which events are left out: agencies without near stations fix 10 km, and no gas
+field is deeper."""
 BESIDE_KM = 10.0
 """Farthest that an event of the field may be from the nearest epicentre of the catalogue that
 ships."""

@@ -27,7 +27,7 @@ from damage.wall.file import wall_path
 
 OUTCOMES = {"psi": "at rest", "max_psi": "at any moment"}
 VISIBLE = 1.0, 2.0
-"""Psi whose probabilities are given: one crack of 0.1 mm, one of 1 mm."""
+"""Values of Psi whose probabilities are given: one crack of 0.1 mm, one of 1 mm."""
 POPULATION = 4000
 """Lives that are drawn and not run, for the distribution of PGV."""
 NAME = "lives.toml"

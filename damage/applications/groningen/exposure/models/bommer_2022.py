@@ -16,8 +16,9 @@ from damage.files import DATA
 DEPTH_KM = 3.0
 """Depth of all events [km]: that of the field, with which the model was fitted."""
 NEAR_KM = 7.0
+"""Distance at which the attenuation first changes [km]."""
 FAR_KM = 12.0
-"""Distances at which the attenuation changes [km]."""
+"""Distance at which the attenuation changes again [km]."""
 REFERENCE_M_S = 200.0
 """VS30 without site effect [m/s]."""
 
