@@ -50,8 +50,9 @@ MOST_S = 600.0
 FIRST = (
     "test_widths.py",
     "test_deformable.py",
-    "test_yade_run.py",
+    "test_yade_space.py",
     "test_mass_scaling.py",
+    "test_yade_run.py",
     "test_study.py",
     "test_written.py",
     "test_batch.py",
@@ -59,9 +60,7 @@ FIRST = (
     "test_verification.py",
     "test_checkpoint.py",
     "test_yade_ground.py",
-    "test_guides.py",
     "test_from_pip.py",
-    "test_own_law.py",
 )
 
 

@@ -136,11 +136,8 @@ def faults(modules):
     return found
 
 
-MODULES = read_modules()
-
-
 def test_imports_follow_the_order_of_rooms_and_no_circle():
-    assert faults(MODULES) == []
+    assert faults(read_modules()) == []
 
 
 def test_every_folder_with_python_has_its_room():

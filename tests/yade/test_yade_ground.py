@@ -123,7 +123,7 @@ def runs(tmp_path_factory, in_both):
     """The same motion, too weak for a crack, in both solvers."""
     folder = tmp_path_factory.mktemp("house")
     wall = written(folder / "gable.toml", GABLE)
-    return in_both(folder, wall, "--harmonic 0.05 0.2 --cycles 1 --rest 0.02")
+    return in_both(folder, wall, "--harmonic 0.05 0.2 --cycles 1 --rest 0.02 --stresses")
 
 
 @pytest.mark.parametrize("solver", ["yade", "reference"])
@@ -150,3 +150,14 @@ def test_both_solvers_agree_before_the_first_failure(runs):
         largest = np.abs(reference[name]).max()
         assert_allclose(yade[name].abs().max(), largest, rtol=1e-3)
         assert_allclose(yade[name], reference[name], atol=0.01 * largest)
+
+
+def test_both_solvers_have_the_same_stresses(runs):
+    """At rest and in the motion; YADE's static stage is kept, too."""
+    yade, reference = runs.values()
+    largest = np.abs(reference.joint_stress_pa[0]).max()
+    assert_allclose(yade.joint_stress_pa[0], reference.joint_stress_pa[0], atol=1e-5 * largest)
+    n = min(len(yade.series), len(reference.series))
+    moving, expected = (history.joint_stress_pa[:n] for history in (yade, reference))
+    assert_allclose(moving, expected, atol=2e-3 * largest)
+    assert len(yade.static_stage) > 5 and yade.static_stage["unbalanced_force"].iloc[-1] < 1e-5
