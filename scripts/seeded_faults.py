@@ -73,8 +73,8 @@ FAULTS = [
                 "wall",
                 "the critical time step is half as long",
                 "damage/linear/modes.py",
-                "down_to_three_digits(2 / np.sqrt(one))",
-                "down_to_three_digits(1 / np.sqrt(one))",
+                "down_to_three_digits(2 / np.sqrt(rate))",
+                "down_to_three_digits(1 / np.sqrt(rate))",
                 "test_modes",
             ),
             (

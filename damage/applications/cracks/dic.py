@@ -41,7 +41,7 @@ REQUIRED = {"x_m": _PLACE, "z_m": _PLACE, "ux_m": _DISPLACEMENT, "uz_m": _DISPLA
 """{name: Column} of the file, beside those of the load level,
 `damage.applications.cracks.crack_file.OF_LEVEL`."""
 MOVES_M = 0.05 * MILLIMETRE
-"""Motion of the top course from which the lowest one is compared with it [m]."""
+"""Least motion of a course, or of a point, that is judged [m]."""
 UPSIDE = 2.0
 """Motion of the lowest course over that of the top one from which it is doubtful [-]."""
 RIGID = 0.1
