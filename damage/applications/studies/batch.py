@@ -83,16 +83,13 @@ def run(study, folder, jobs, keep="all", *, remake=False, part=None, lock=None):
 
 def _say_changed(changed):
     """Say in a line which runs were not made as their inputs changed; changed: as of Pool."""
-    if changed:
-        points = {
-            task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed
-        }
-        print(
-            f"error: {len(changed)} runs were not made, as inputs changed since the study began:"
-            f" {some_of(list(points.values()), 3)}; restore these and give the same command, or"
-            " give it with the new ones: it makes all runs of these points again",
-            file=sys.stderr,
-        )
+    points = {task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed}
+    print(
+        f"error: {len(changed)} runs were not made, as inputs changed since the study began:"
+        f" {some_of(list(points.values()), 3)}; restore these and give the same command, or give"
+        " it with the new ones: it makes all runs of these points again",
+        file=sys.stderr,
+    )
 
 
 WATCH_S = 10.0
@@ -138,10 +135,11 @@ class Batch:
         with open_records(self.folder / name) as file:
             if self.part:
                 file.write(results.lines_of(verdict))
-            return self._simulate(file, verdict.inputs)
+            pool = self._simulate(file, verdict.inputs)
+            return self._end(pool)
 
     def _simulate(self, file, inputs):
-        """Do what is left on this machine, then the tables; returns the exit status.
+        """Do what is left on this machine; returns the Pool that did it.
 
         file: open file of records; inputs: {StudyRun: (key of its inputs, these as JSON)}.
         """
@@ -181,6 +179,10 @@ class Batch:
             ],
             follow,
         )
+        return pool
+
+    def _end(self, pool):
+        """Write the tables where all was done, and print how it ended; returns the exit status."""
         if pool.interrupted:
             if pool.n_lost:
                 say(
@@ -188,10 +190,12 @@ class Batch:
                     " ended are kept"
                 )
             self._count()
+            way = way_on(self.folder)
+            command = f":\n  {command_of(way[0], self.folder, way[1])}" if way else ""
             print(
                 "interrupted: runs that had ended are kept, those that were under way continue"
                 " from where they stood, of YADE they begin again: the same command continues from"
-                f" here{self.again}",
+                f" here{command}",
                 file=sys.stderr,
             )
             return EXIT_INTERRUPTED
@@ -204,14 +208,9 @@ class Batch:
             return 1
         status = 0 if self.part else self._sum_up()
         status = self._report(pool.failed) or status
-        _say_changed(pool.changed)
+        if pool.changed:
+            _say_changed(pool.changed)
         return status or int(bool(pool.changed))
-
-    @property
-    def again(self):
-        """The command that continues it, in a line below, unless that is another's."""
-        way = way_on(self.folder)
-        return f":\n  {command_of(way[0], self.folder, way[1])}" if way else ""
 
     def _say_next(self, tables):
         """Print the commands that follow a study with tables."""
