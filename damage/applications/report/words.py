@@ -53,4 +53,5 @@ def of_hundred(row):
     """A share with its interval, {"share", "low", "high"}, of 100; a dash where there is none."""
     if row["share"] is None:
         return "-"
-    return f"{round(100 * row['share'])} ({round(100 * row['low'])}-{round(100 * row['high'])})"
+    # a hyphen at which no line breaks
+    return f"{round(100 * row['share'])} ({round(100 * row['low'])}\u2011{round(100 * row['high'])})"

@@ -493,7 +493,7 @@ class TestSheet:
         for row in numbers["all_draws"]["0.5"].values():
             if row["share"] is not None:
                 shown = (f"{100 * row[name]:.0f}" for name in ("share", "low", "high"))
-                assert "{} ({}-{})".format(*shown) in page
+                assert "{} ({}\u2011{})".format(*shown) in page
         assert numbers["shaking"]["catalogue_ends"] == "2014-12-30" and "2014-12-30" in page
         assert "from 20 to 70 % of its Arias intensity" in page
         assert numbers["no_answer"][0]["why"] == "draws" and "No answer" in page

@@ -23,7 +23,7 @@ from damage.applications.groningen.claim.numbers import (
     lacks_draws,
     largest_share,
 )
-from damage.applications.report.words import environment, number, of_hundred, words
+from damage.applications.report.words import all_words, environment, number, of_hundred, words
 from damage.index import THRESHOLD
 from damage.measure.cracks import cracked, ends_of
 from damage.measure.evidence import evidence_for
@@ -277,6 +277,11 @@ def outside_at_rest(wall, language):
     return _evidence(evidence, language)
 
 
+def _unit(unit, language):
+    """A unit, in a language where it has words."""
+    return all_words().get(unit, {}).get(language, unit)
+
+
 def _evidence(evidence, language):
     say = partial(words, language)
     shown = partial(number, language)
@@ -285,7 +290,7 @@ def _evidence(evidence, language):
             "quantity_outside",
             name=say(f"quantity {name}"),
             range=say("range", least=shown(quantity["least"], 3), most=shown(quantity["most"], 3)),
-            unit=quantity["unit"] and f" {quantity['unit']}",
+            unit=quantity["unit"] and f" {_unit(quantity['unit'], language)}",
         )
         + (share < 1) * say("in_runs", share=shown(100 * share))
         for name, quantity in evidence.items()
