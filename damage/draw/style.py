@@ -27,7 +27,7 @@ from damage.version import VERSION
 
 COLUMN_WIDTH = 90 / 25.4  # [inch], one column of a journal
 DOTS_PER_INCH = 200
-TITLE_CHARACTERS = 64  # of the font size below, in a column
+TITLE_CHARACTERS = 66  # of the font size below, in a column
 STYLE = {
     "font.size": 7,
     "axes.labelsize": 7,

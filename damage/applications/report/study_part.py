@@ -64,7 +64,7 @@ MOST_WALLS_MB = 0.3
 """Largest size of all pictures of cracked walls; the points of the largest damage come first."""
 _FOLLOWS = {
     *("point", "solver", "wall", "motion", "record", "record_unit", "scale", "amplitude_g"),
-    *("motion_period_s", "d5_75_s", "d5_95_s", "window_start_s", "window_end_s"),
+    *("motion_period_s", "cycles", "d5_75_s", "d5_95_s", "window_start_s", "window_end_s"),
     *("motion_duration_s", "lost_by_lines", "time_step_s", "eigen_period_s", *INTENSITIES),
     *("total_joint_length_m", "elastic_joint_share", "elastic_joint_share_above_openings"),
 }
@@ -180,12 +180,14 @@ def _motion(row):
     """Words for a point's motion, and the factor on it."""
     scale = row.get("scale")
     amplitude = row.get("amplitude_g")
+    cycles = "" if pd.isna(row.get("cycles", np.nan)) else f", {row['cycles']:g} cycles"
     if isinstance(row.get("record"), str):
         return record_label(row["record"]), "" if pd.isna(scale) else f" × {scale:g}"
     if not pd.isna(amplitude) and amplitude is not None:
-        return f"harmonic, {row['motion_period_s']:g} s", f" of {amplitude:g} g"
+        return f"harmonic, {row['motion_period_s']:g} s{cycles}", f" of {amplitude:g} g"
     motion = row.get("motion")
-    return motion.replace("_", " ") if isinstance(motion, str) else "several motions", ""
+    words = motion.replace("_", " ") if isinstance(motion, str) else "several motions"
+    return f"{words}{cycles}", ""
 
 
 def cracked_walls(folder, summary, points):

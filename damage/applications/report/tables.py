@@ -50,20 +50,20 @@ def digits_of(name):
 
 
 def in_short(value, digits=DIGITS):
-    """A number with so many significant digits, a word as it is, nothing as a dash.
+    """A number with so many significant digits, what was given without zeros at its end, a word as
+    it is, nothing as a dash.
 
     >>> [in_short(value) for value in (0.0940123456, 1234567.0, None, "complete", 3)]
     ['0.0940', '1.23e+06', '–', 'complete', '3']
+    >>> in_short(0.5, GIVEN_DIGITS)
+    '0.5'
     """
     if value is None or (isinstance(value, Number) and not math.isfinite(value)):
         return "–"
     if isinstance(value, int) or not isinstance(value, Number):
         return str(value) or "–"
-    return (
-        rounded(value, digits)
-        if LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0
-        else f"{value:.{digits}g}"
-    )
+    plain = digits == DIGITS and (LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0)
+    return rounded(value, digits) if plain else f"{value:.{digits}g}"
 
 
 def measures(parts):

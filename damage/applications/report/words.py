@@ -53,5 +53,5 @@ def of_hundred(row):
     """A share with its interval, {"share", "low", "high"}, of 100; a dash where there is none."""
     if row["share"] is None:
         return "-"
-    # a hyphen at which no line breaks
-    return f"{round(100 * row['share'])} ({round(100 * row['low'])}\u2011{round(100 * row['high'])})"
+    share, low, high = (round(100 * row[name]) for name in ("share", "low", "high"))
+    return f"{share} ({low}\u2011{high})"  # a hyphen at which no line breaks

@@ -530,24 +530,6 @@ def test_the_inputs_of_runs_do_not_change_under_them(client, tmp_path, monkeypat
     monkeypatch.setattr(Ended, "status", 0)
 
 
-@pytest.mark.parametrize(
-    "change, said",
-    [
-        ({"front": FRONT + "length = 2"}, "the front was changed since it was sent"),
-        ({"survey": drawn(CRACK, CRACK)}, "the survey that is drawn was changed since it was sent"),
-        ({"levels": "x_m,height_m\n"}, "the table of levels was changed"),
-    ],
-)
-def test_what_is_drawn_and_not_sent_is_said_before_the_run(client, monkeypatch, change, said):
-    monkeypatch.setattr("damage.applications.groningen.app.job.subprocess.Popen", Ended)
-    ready_to_start(client)
-    done(client, "levels", text=LEVELS)
-    shown = {"front": FRONT, "levels": LEVELS, "survey": drawn(CRACK)}
-    assert said in refused(client, "start", **START | {"settle": "levels"}, shown=shown | change)
-    done(client, "start", **START | {"settle": "levels"}, shown=shown)
-    done(client, "start", **START, shown=shown | {"levels": "not used"})
-
-
 def test_the_browser_s_command_line_does_not_have_the_token(tmp_path, monkeypatch):
     """It has a file that its owner alone can read."""
     opened = []

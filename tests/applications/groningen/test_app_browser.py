@@ -5,6 +5,7 @@ narrow, dark, languages.
 """
 
 import base64
+import json
 import re
 import threading
 import time
@@ -35,13 +36,18 @@ from test_app import (
 
 from benchmarks.report_in_browser import screenshot
 from damage.applications.cracks.crack_file import read_cracks
+from damage.applications.cracks.survey import read_survey
 from damage.applications.groningen.app.desk import words
 from damage.applications.groningen.app.photo import MARGIN_M
 from damage.applications.groningen.app.server import make_app
+from damage.applications.groningen.claim.make import layout_of
+from damage.applications.groningen.claim.sheet import sheet
+from damage.applications.groningen.claim.twins import read_twins
 from damage.measure.cracks import ends_of
 
 pytestmark = IN_BROWSER
 WORDS = words()
+PATIENCE_S = 90
 
 
 @pytest.fixture
@@ -69,7 +75,7 @@ def open_page(driver, address):
 
 
 def ready(driver):
-    WebDriverWait(driver, 20).until(
+    WebDriverWait(driver, PATIENCE_S).until(
         lambda driver: driver.execute_script("return document.body?.dataset.ready") == "yes"
     )
 
@@ -91,7 +97,7 @@ def write(driver, name, text):
         by(driver, name).send_keys(text)
 
 
-def press(driver, name, said, seconds=20):
+def press(driver, name, said, seconds=PATIENCE_S):
     """Press a button and wait for its word; returns it."""
     driver.execute_script("arguments[0].textContent = ''", by(driver, said))
     by(driver, name).click()
@@ -144,7 +150,7 @@ def straighten(driver, path):
     """The photograph by four corners, and two of the window."""
     photo, at = photographed()
     by(driver, "photo-file").send_keys(str(written(path, photo)))
-    WebDriverWait(driver, 20).until(lambda driver: by(driver, "photo").is_displayed())
+    WebDriverWait(driver, PATIENCE_S).until(lambda driver: by(driver, "photo").is_displayed())
     for x, y in at([*CORNERS, WINDOW[:2], WINDOW[2:]]):
         click_at(driver, "photo", x / 1200, 1 - y / 900)
     assert press(driver, "straighten", "said-photo") == WORDS["straightened"]["nl"]
@@ -196,13 +202,40 @@ def test_from_an_empty_page_to_the_dutch_sheet_with_a_photograph(page, tmp_path)
     assert re.findall(rb"/Count (\d+)", base64.b64decode(pdf)) == [b"2"], "both sides"
     driver.close()
     driver.switch_to.window(driver.window_handles[0])
+    no_table_is_wider_than_a_telephone(driver, tmp_path)
     names = {"house.toml", "photo.jpg", "straight.jpg", "survey.csv", "claim.log", "claim"}
     assert {path.name for path in (tmp_path / "claim").iterdir()} == names
 
 
+def no_table_is_wider_than_a_telephone(driver, folder):
+    """At 390 px the sheet of a claim in a folder, as if it had an answer, shows whole tables."""
+    layout = layout_of(folder / "claim/house.toml", (2, 2))
+    place = folder / "claim/claim"
+    numbers = json.loads((place / "claim.json").read_text()) | {"no_answer": []}
+    for row in (row for table in numbers["like_survey"].values() for row in table.values()):
+        row |= {"share": 0.53, "low": 0.31, "high": 0.65}
+    survey = read_survey(folder / "claim/survey.csv", layout)
+    page = sheet(numbers, layout, survey, read_twins(place, layout), "nl", "claim.json")
+    narrow(driver)
+    driver.get(written(folder / "answer.html", page.encode()).as_uri())
+    wider = driver.execute_script(
+        "return [...document.querySelectorAll('.scroll')].map((e) => e.scrollWidth - e.clientWidth)"
+    )
+    assert wider == [0, 0, 0]
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def narrow(driver):
+    """A screen of 390 px."""
+    driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": False},
+    )
+
+
 def wait_for(driver, name, *texts):
     """Wait until one of these texts is in a place."""
-    until = time.monotonic() + 90
+    until = time.monotonic() + PATIENCE_S
     while not any(text in by(driver, name).text for text in texts):
         assert time.monotonic() < until, by(driver, name).text
         time.sleep(0.1)
@@ -248,6 +281,11 @@ def test_the_page_after_a_reload_in_dutch_at_390_px(page):
     ready(driver)
     said = press(driver, "show-earthquakes", "said-address")
     assert "breedtegraad ontbreekt" in said and "None" not in said
+    names = [option.text for option in by(driver, "fronts").find_elements("tag name", "option")]
+    assert names and not re.search(r"couplet|triplet|_", " ".join(names))
+    press(driver, "start", "said-compute")
+    assert by(driver, "said-compute").text == WORDS["see_step"]["nl"].format(step=4)
+    assert "teken er een" in by(driver, "said-cracks").text
     write(driver, "latitude", "53.36786")
     write(driver, "longitude", "6.71359")
     Select(by(driver, "fronts")).select_by_visible_text("Huis van twee bouwlagen")
@@ -262,10 +300,7 @@ def test_the_page_after_a_reload_in_dutch_at_390_px(page):
         click_at(driver, "front", across, up)
     assert "op voegen" in press(driver, "put-on-joints", "said-cracks")
     joints = driver.execute_script("return joints")
-    driver.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": 390, "height": 900, "deviceScaleFactor": 1, "mobile": False},
-    )
+    narrow(driver)
     driver.refresh()
     ready(driver)
     assert joints and driver.execute_script("return joints") == joints
@@ -276,7 +311,10 @@ def test_the_page_after_a_reload_in_dutch_at_390_px(page):
     values = driver.execute_script(
         "return [...document.querySelectorAll('input')].map((e) => e.value)"
     )
-    assert not [value for value in values if re.search(r"\d\.\d", value)]
+    text = driver.find_element("tag name", "body").text
+    assert not [value for value in [*values, text] if re.search(r"\d\.\d", value)]
+    assert not re.search(r"\((m|mm|kg|kPa|mm/s|km)\)|None", text), "units are in brackets"
+    assert "[mm]" in text and "[kg]" in driver.page_source
     driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     silent(driver)
 

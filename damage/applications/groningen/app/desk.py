@@ -229,14 +229,9 @@ class Desk:
         draws,
         language,
         units=BRICKS,
-        shown=None,
     ):
         """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its
-        own.
-
-        shown: what the page shows now, {"front", "levels": texts, "survey": arguments of `survey`};
-        None where nothing is to be compared with what was sent.
-        """
+        own."""
         if self.job.running:
             raise InputError("the computation is running already; stop it first")
         set_aside(self.path(RESULTS))
@@ -262,8 +257,6 @@ class Desk:
         if draws is not None:
             check_whole("draws", draws, 2, 10000)
             words += ["--draws", str(draws)]
-        if shown is not None:
-            self._check_sent(shown, settle)
         self.job.start(words, self.path(LOG))
         return self.progress()
 
@@ -273,21 +266,6 @@ class Desk:
         for folder, folders, files in os.walk(self.out):
             for path in (Path(folder, name) for name in (*folders, *files)):
                 self.path(path.relative_to(self.out))
-
-    def _check_sent(self, shown, settle):
-        """InputError where the page shows another front, survey or levels than it sent: they would
-        not be in the run."""
-        parts = [
-            (HOUSE, "the front", shown["front"]),
-            (SURVEY, "the survey that is drawn", as_csv(**shown["survey"])),
-        ]
-        parts += [(LEVELS, "the table of levels", shown["levels"])] * (settle == "levels")
-        for name, what, text in parts:
-            if self.path(name).read_text(encoding="utf-8") != text:
-                raise InputError(
-                    f"{what} was changed since it was sent and would not be in the run; expected it"
-                    " as it was sent; send it again in its step, or take the change back"
-                )
 
     def _settled(self, settle, distortion):
         if settle == "levels":

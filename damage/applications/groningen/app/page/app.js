@@ -549,11 +549,13 @@ function showJoints(found) {
   board.paint();
 }
 
-by("put-on-joints").addEventListener("click", async () => {
+async function putOnJoints() {
   finish();
   const found = await ask("survey", survey(), "said-cracks");
   if (found) showJoints(found);
-});
+  return Boolean(found);
+}
+by("put-on-joints").addEventListener("click", putOnJoints);
 
 function showFront(found) {
   const place = chosen && [..."openings floors".split(" ").map((name) => [name, (table[name] || []).indexOf(chosen)])].find(([, k]) => k >= 0);
@@ -626,12 +628,14 @@ by("settle").addEventListener("change", () => {
   by("for-distortion").hidden = chosen === "" || chosen === "levels";
 });
 
-by("use-levels").addEventListener("click", async () => {
+async function useLevels() {
   const found = await ask("levels", { text: by("levels-text").value }, "said-settlement");
-  if (!found) return;
+  if (!found) return false;
   const most = Math.max(...found.uz_m) - Math.min(...found.uz_m);
   say("said-settlement", [fill("levels_are", { most: shown(1000 * most) }), ...found.notes].join(" "));
-});
+  return true;
+}
+by("use-levels").addEventListener("click", useLevels);
 
 let timer = null;
 function showProgress(found) {
@@ -657,15 +661,17 @@ async function compute(name, given) {
   if (found) showProgress(found);
 }
 
-by("start").addEventListener("click", () => {
-  finish();
-  if (unsent) return say("said-compute", words.front_unsent, true);
-  if (Number.isNaN(field("draws"))) return say("said-compute", words.bad_draws, true);
+// What the page shows is what runs: survey and levels are sent first.
+by("start").addEventListener("click", async () => {
   const settle = by("settle").value || null;
+  if (by("front-text").value !== front?.text) await useText();
+  if (unsent || by("front-text").value !== front?.text) return say("said-compute", fill("see_step", { step: 2 }), true);
+  if (Number.isNaN(field("draws"))) return say("said-compute", words.bad_draws, true);
+  if (!(await putOnJoints())) return say("said-compute", fill("see_step", { step: 4 }), true);
+  if (settle === "levels" && !(await useLevels())) return say("said-compute", fill("see_step", { step: 5 }), true);
   compute("start", { latitude: field("latitude"), longitude: field("longitude"), settle,
     distortion: settle && settle !== "levels" ? 1 / field("distortion") : null, draws: field("draws"),
-    units: units(), language: document.documentElement.lang,
-    shown: { front: by("front-text").value, levels: by("levels-text").value, survey: survey() } });
+    units: units(), language: document.documentElement.lang });
 });
 by("stop").addEventListener("click", () => compute("stop", {}));
 
