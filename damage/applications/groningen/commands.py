@@ -1,6 +1,5 @@
 """Commands about an address: its earthquakes, and lives of walls there."""
 
-import argparse
 import os
 import re
 import sys
@@ -27,16 +26,6 @@ def _degrees(word):
     return float(re.sub(r"^(-?\d+),(\d+)$", r"\1.\2", word.removesuffix(",")))
 
 
-def _metres(word):
-    try:
-        return float(word)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{word}: expected metres with a decimal point and nothing between thousands; "
-            "correct it"
-        ) from None
-
-
 _degrees.__name__ = "float"  # for what argparse says of a word that is none
 _ADDRESS = (
     group(
@@ -51,7 +40,7 @@ _ADDRESS = (
         arg(
             "--rd",
             nargs=2,
-            type=_metres,
+            type=float,
             metavar=("X", "Y"),
             help="instead: metres in the Dutch grid (EPSG:28992)",
         ),

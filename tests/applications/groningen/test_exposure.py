@@ -378,10 +378,6 @@ class TestCommand:
             (["--at", "52.37", "4.88"], "nearest epicentre"),
             (["--at", "53.3", "6.7", "--to", "2030"], "--to 2030"),
             (["--at", "53.3", "6.7", "--component", "ROT"], "component = 'ROT'"),
-            (
-                ["--rd", "245,789", "598263"],
-                "245,789: expected metres with a decimal point and nothing between thousands",
-            ),
         ],
     )
     def test_bad_input_is_one_line(self, error_of, words, message):

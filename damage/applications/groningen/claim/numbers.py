@@ -11,7 +11,6 @@ from damage.applications.groningen.claim.answer import (
     BUT_FOR,
     LEAST_DRAWS,
     PRIORS,
-    RANGE,
     effective,
     of_cracks,
     reasons,
@@ -33,7 +32,6 @@ from damage.applications.groningen.exposure.exposure import strongest
 from damage.measure.evidence import evidence_for, names_outside
 from damage.measure.summary import summarise
 from damage.provenance import commit
-from damage.units import MILLIMETRE
 from damage.version import VERSION
 
 SHOWN_EVENTS = 5
@@ -169,46 +167,6 @@ def mean_gains(events):
     return (gain.groupby(events["id"]).sum() / events["life"].nunique()).to_dict()
 
 
-def by_event(twins):
-    """A row an event and point: Psi and widest crack at rest after it, 5, 50 and 95 % over the
-    draws that have it."""
-    rows = []
-    for point, events in twins.events.items():
-        for (time, name), of in events.groupby(["time_utc", "id"]):
-            rows.append(
-                {
-                    "point": point,
-                    "time_utc": time,
-                    "id": name,
-                    "draws": len(of),
-                    **{
-                        column: np.quantile(of[column], RANGE).tolist()
-                        for column in ("psi", "crack_width_mm")
-                    },
-                }
-            )
-    return rows
-
-
-def at_the_end(twins):
-    """Psi and widest crack [mm] after all events by what acted: 5, 50, 95 % of the walls that
-    stand, and how many fell."""
-    states = {}
-    for name, psi in twins.psi.items():
-        stands = ~twins.fell[name]
-        states[name] = {
-            "fell": int(twins.fell[name].sum()),
-            **{
-                what: np.quantile(values[stands], RANGE).tolist() if stands.any() else None
-                for what, values in (
-                    ("psi", psi),
-                    ("crack_width_mm", twins.width_m[name] / MILLIMETRE),
-                )
-            },
-        }
-    return states
-
-
 def evidence_of(history, outside):
     """Judgement of the range of validity on a history, with the share of all runs that are outside;
     outside: of Twins."""
@@ -246,8 +204,7 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, first):
         "survey": survey.as_dict() | known,
         "priors": list(PRIORS),
         **answers(twins, likeness_of(twins, survey, wall), survey),
-        "at_the_end": at_the_end(twins),
-        "by_event": by_event(twins),
+        "fell": {name: int(walls.sum()) for name, walls in twins.fell.items()},
         "events_per_draw": float(len(events) / events["life"].nunique()),
         "evidence": evidence_of(first, twins.outside),
     }

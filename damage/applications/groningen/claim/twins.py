@@ -21,14 +21,6 @@ from damage.applications.studies.definition import load_study
 from damage.applications.studies.records import read_records
 from damage.errors import InputError
 from damage.measure.columns import MADE_BY
-from damage.measure.cracks import (
-    PSI_FROM,
-    close_pairs,
-    count_cracks,
-    cracked,
-    mean_width,
-    psi_value,
-)
 from damage.provenance import UNKNOWN
 from damage.wall.geometry import joint_table, tributary_ends
 
@@ -114,29 +106,6 @@ class Twins:
             )
             for name in STATES
         }
-
-    @cached_property
-    def psi(self):
-        """{of STATES: Psi (n,)}, infinite of a wall that fell."""
-        pairs = close_pairs(self.ends)
-        return {
-            name: np.where(
-                self.fell[name],
-                np.inf,
-                psi_of(np.hypot(self.opening_m[name], self.offset_m[name]), self.length_m, pairs),
-            )
-            for name in STATES
-        }
-
-
-def psi_of(width_m, length_m, pairs):
-    """Psi (n,) of widths (n, n_joints) [m]; pairs: of `close_pairs`."""
-    is_cracked = cracked(width_m, PSI_FROM)
-    used = is_cracked.any(axis=0)
-    number = np.cumsum(used) - 1
-    pairs = number[pairs[used[pairs].all(axis=1)]]
-    count = np.array([count_cracks(row[np.newaxis], pairs)[0] for row in is_cracked[:, used]])
-    return psi_value(count, mean_width(np.where(is_cracked, width_m, 0.0), length_m))
 
 
 def read_twins(folder, layout):
