@@ -48,7 +48,7 @@ from damage.applications.groningen.claim.likeness import (
     kernel,
     strange_share,
 )
-from damage.applications.groningen.claim.make import USUAL, USUAL_OPTIONS, layout_of
+from damage.applications.groningen.claim.make import layout_of
 from damage.applications.groningen.claim.numbers import Likeness, answers, evidence_of
 from damage.applications.groningen.claim.sheet import in_words, sheet, whether_more_draws_help
 from damage.applications.groningen.claim.terminal import describe
@@ -637,12 +637,12 @@ class TestOneFolder:
 
 def test_the_size_of_a_draw_does_not_depend_on_their_number(tmp_path):
     """More draws are in more points of 48."""
-    address = {"latitude": 53.36786, "longitude": 6.71359, **USUAL}
+    address = {"latitude": 53.36786, "longitude": 6.71359, "above_mm_s": 8.0}
     sizes = []
     for draws in (10, 192):
         (folder := tmp_path / str(draws)).mkdir()
         wall = REPOSITORY / "walls/variants/small.py"
-        causes = causes_of(address, USUAL_OPTIONS, {})
+        causes = causes_of(address, {"rest": 0.2}, {})
         sizes.append(terminal.size_of(twins_study(folder, wall, causes, draws)))
     assert sizes[0] == sizes[1]
 

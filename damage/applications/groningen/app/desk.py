@@ -13,9 +13,7 @@ from damage.applications.groningen.app.front import check_marks, drawn, laid_out
 from damage.applications.groningen.app.job import Job
 from damage.applications.groningen.app.marked import SURVEY, as_csv, points_of, redrawn, surveyed
 from damage.applications.groningen.app.photo import cleaned, rectified
-from damage.applications.groningen.claim.make import STEPS, USUAL, USUAL_OPTIONS
 from damage.applications.groningen.claim.sheet import NUMBERS, SHEET, set_aside
-from damage.applications.groningen.claim.terminal import size_of_draw
 from damage.applications.groningen.exposure.exposure import strongest
 from damage.applications.groningen.exposure.lives import draws_of
 from damage.applications.report.words import LANGUAGES, all_words
@@ -118,13 +116,6 @@ class Desk:
         if not isinstance(table, dict):
             raise InputError("the front: expected a table of its sizes; begin with another front")
         return self.front(as_toml(table))
-
-    def size(self, latitude, longitude, units=BRICKS):
-        """How large the claim would be: {"contact_points", "steps", "draws"}."""
-        address = {"latitude": latitude, "longitude": longitude, **USUAL}
-        options = USUAL_OPTIONS | {"units": _units(units)}
-        size = size_of_draw(str(self._given(HOUSE, "the front")), address, options)
-        return size | {"draws": STEPS[1]}
 
     def _keep(self, name, what, text, read):
         """What read(path) makes of a text, which is kept in a file of the claim if it is accepted;

@@ -44,7 +44,7 @@ HEADERS = {
 }
 SHEET_POLICY = "sandbox allow-modals; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 """Policy of the sheet, which has its style and pictures in itself; it can be printed."""
-CALLS = ["address", "front", "sketch", "size", "straighten", "survey", "levels", "start", "stop"]
+CALLS = ["address", "front", "sketch", "straighten", "survey", "levels", "start", "stop"]
 """Methods of Desk that the page asks for."""
 COOKIE = "damage_app"
 HEADER = "X-Damage-Token"

@@ -40,11 +40,6 @@ STEPS = 10, 96, 192, 400, MOST_DRAWS
 """Numbers of draws after which there is a sheet: the first ones show what it will be of; 96 is what
 an interval of ±10 of 100 takes."""
 
-USUAL = {"within_km": 3.5, "strong": (0.05, 0.15), "above_mm_s": 8.0}
-"""Keys of a claim's address where nothing is given."""
-USUAL_OPTIONS = {"rest": 0.2, "strength-cov": 0.3, "inputs": "typical"}
-"""Options of a claim's runs where nothing is given."""
-
 
 @dataclass(frozen=True)
 class Claim:

@@ -1,12 +1,9 @@
 """What a claim says in the terminal: before its runs how large they are, and in the end its
 answer."""
 
-from tempfile import TemporaryDirectory
-
 from damage.applications.groningen.claim.answer import LEAST_DRAWS, WITHOUT, reasons
 from damage.applications.groningen.claim.numbers import MOST_DRAWS
 from damage.applications.groningen.claim.sheet import in_words
-from damage.applications.groningen.claim.twins import causes_of, twins_study
 from damage.applications.report.words import words
 from damage.applications.studies.cost import size_of as size_of_run
 
@@ -47,12 +44,6 @@ def size_of(study):
     """{"contact_points" of the wall, "steps" of a draw by both of its runs} of a claim's study."""
     points, steps, _ = zip(*(size_of_run(run) for run in study.runs if run.offset == 0))
     return {"contact_points": points[0], "steps": sum(steps)}
-
-
-def size_of_draw(wall, address, options):
-    """As `size_of`, of a claim that is not made; arguments as of `causes_of`."""
-    with TemporaryDirectory() as folder:
-        return size_of(twins_study(folder, wall, causes_of(address, options, {}), 1))
 
 
 def _crack_in_words(crack):

@@ -576,7 +576,6 @@ function showFront(found) {
   if (!found.straight) unstraight();
   board.paint();
   keep();
-  showSize();
 }
 
 async function useText() {
@@ -586,21 +585,6 @@ async function useText() {
   changed();
 }
 by("front-text").addEventListener("change", useText);
-
-// How large the claim is, once its front and its address are there.
-const units = () => by("units").value.split(" ").map(Number);
-let waiting = null;
-function showSize() {
-  clearTimeout(waiting);
-  waiting = setTimeout(askSize, 1000);
-}
-async function askSize() {
-  if (!front || field("latitude") === null || field("longitude") === null) return;
-  const found = await ask("size", { latitude: field("latitude"), longitude: field("longitude"), units: units() }, "said-size");
-  if (!found) return;
-  say("said-size", fill("size_is", { points: found.contact_points, steps: shown(found.steps), draws: found.draws }));
-}
-by("units").addEventListener("change", showSize);
 
 // --- address, settlement, runs
 
@@ -618,7 +602,6 @@ async function showEarthquakes() {
   const ends = document.createElement("strong");
   ends.textContent = fill("catalogue_ends", { date: found.catalogue_ends });
   by("said-address").append(ends, ...found.warnings.map((one) => ` ${one}`));
-  showSize();
 }
 by("show-earthquakes").addEventListener("click", showEarthquakes);
 
@@ -671,7 +654,7 @@ by("start").addEventListener("click", async () => {
   if (settle === "levels" && !(await useLevels())) return say("said-compute", fill("see_step", { step: 5 }), true);
   compute("start", { latitude: field("latitude"), longitude: field("longitude"), settle,
     distortion: settle && settle !== "levels" ? 1 / field("distortion") : null, draws: field("draws"),
-    units: units(), language: document.documentElement.lang });
+    units: by("units").value.split(" ").map(Number), language: document.documentElement.lang });
 });
 by("stop").addEventListener("click", () => compute("stop", {}));
 
