@@ -1,12 +1,10 @@
 """A history in memory is the one that its file would be, and becomes that file where it has to."""
 
-import sys
 from dataclasses import fields, replace
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import run_command
 from small_history import make_history
 
 from damage import read_history
@@ -151,28 +149,3 @@ def test_a_run_without_an_end_leaves_its_file(status, tmp_path):
     written = make_history(tmp_path / "a.h5", **CRACKED | {"status": status})
     make_history(tmp_path / "b.h5", **CRACKED | {"status": status}, write=HistoryInMemory)
     assert differences(written, read_history(tmp_path / "b.h5")) == []
-
-
-FREED = """
-import os
-from pathlib import Path
-import numpy as np
-from damage.memory import return_freed
-
-def resident():
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
-
-arrays = [np.ones(12_000) for _ in range(4_000)]  # of 96 kB: larger ones have pages of their own
-del arrays[:3999]  # the last lies above them
-before = resident()
-return_freed()
-print(before - resident())
-"""
-
-
-@pytest.mark.skipif(
-    not sys.platform.startswith("linux"), reason="the file of the process's memory is Linux's"
-)
-def test_freed_arrays_below_one_in_use_are_returned():
-    done = run_command(sys.executable, "-c", FREED, check=True)
-    assert int(done.stdout) > 3e8

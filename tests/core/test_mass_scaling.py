@@ -318,13 +318,6 @@ def test_scaled_lintels_that_change_no_step_are_refused(masonry_s, words):
     refused_with("no --dt", scheme.schemes, settings, SOFT, modes_of(4e-5, masonry_s))
 
 
-def test_yade_takes_explicit_steps():
-    (settings, step), *others = scheme.schemes(
-        parsed(solver="yade"), SOFT, modes_of(4e-5, period_s=0.2)
-    )
-    assert settings.mass_scaling == "none" and step < 4e-5 and not others
-
-
 class TestAcceptance:
     def test_an_explicit_run_replaces_those_that_are_not_accepted(self, monkeypatch, tmp_path):
         monkeypatch.setattr(scheme, "ACCEPTED_ERROR", 0.0)

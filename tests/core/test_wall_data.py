@@ -1,6 +1,5 @@
 """Walls as data, materials and formats by name, the preview."""
 
-import json
 import math
 import subprocess
 import sys
@@ -18,7 +17,7 @@ from damage.house.plausible import implausible
 from damage.wall.file import wall_from, wall_schema
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.layout import lay_out
-from damage.wall.materials import FORMATS, MATERIALS, as_dict
+from damage.wall.materials import MATERIALS
 from damage.wall.parameters import ENERGIES
 
 TEXT = """
@@ -160,11 +159,6 @@ class TestMaterials:
         # bricks to the square metre of the format's source
         assert_allclose(1 / (0.22 * 0.06), 75, rtol=0.02)
 
-    def test_the_command_lists_them(self, output_of):
-        said = output_of("materials")
-        assert all(name in said for name in (*MATERIALS, *FORMATS)) and "Graziotti" in said
-        assert json.loads(output_of("materials", "--json")) == json.loads(json_text(as_dict()))
-
 
 class TestPreview:
     def test_it_names_piers_and_spandrels_and_weighs_floors(self):
@@ -182,10 +176,6 @@ class TestPreview:
         assert path.read_bytes() == first
         if ending == "svg":
             assert ElementTree.fromstring(first).tag.endswith("svg")
-
-
-def test_the_command_names_its_floors(house, output_of):
-    assert "concrete floor at 2.7 m, x = 0 to 4.4 m: 0.9 t" in output_of("modes", house)
 
 
 def test_every_wall_finds_the_package_where_its_file_is_said_to_be_yade():
