@@ -85,12 +85,12 @@ def test_links_lead_somewhere():
     assert missing == []
 
 
-def test_no_line_begins_as_a_comment():
-    """The site leaves out lines that begin with a percent sign."""
+def test_no_line_of_a_paragraph_begins_as_something_else():
+    """The site leaves out lines that begin with a percent sign, and makes lists of a plus sign."""
     lost = [
         f"{document.name}: {line}"
         for document in DOCUMENTS
-        for line in re.findall(r"^ *%.*$", document.read_text(), re.MULTILINE)
+        for line in re.findall(r"^ *[%+] .*$", document.read_text(), re.MULTILINE)
     ]
     assert lost == []
 
