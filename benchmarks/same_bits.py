@@ -75,7 +75,6 @@ ARRAYS = (
     "displacement",
     "support_displacement",
     "support_force",
-    "stress_pa",
     "joint_stress_pa",
 )
 """Fields of a History."""

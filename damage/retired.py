@@ -52,6 +52,11 @@ RETIRED = {
         " times: leave it out",
         default=9.0,
     ),
+    "soil-velocity": Retired(
+        "--soil-velocity was removed in 0.2; springs of the soil have no damping: leave it out, or"
+        " give --rayleigh",
+        default=0.0,
+    ),
     "brick-cells": Retired(
         "--brick-cells was removed in 0.2; deformable bricks have strain modes, in the reference"
         " solver: give --bricks deformable alone",

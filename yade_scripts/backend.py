@@ -53,12 +53,8 @@ def _check(settings, wall):
             "--bricks deformable: YADE moves rigid bodies, without strain modes; leave it out, or"
             " use the reference solver: python3 -m damage reference"
         )
-    for option, given in (
-        ("--soil-velocity", settings.model.soil_velocity),
-        ("--beta", settings.beta_s),
-    ):
-        if given:
-            raise InputError(
-                f"{option} {given:g}: YADE's joint law has no viscous damping; leave it out, or use"
-                " the reference solver: python3 -m damage reference"
-            )
+    if settings.beta_s:
+        raise InputError(
+            f"--beta {settings.beta_s:g}: YADE's joint law has no viscous damping; leave it out, or"
+            " use the reference solver: python3 -m damage reference"
+        )

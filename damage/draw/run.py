@@ -22,7 +22,6 @@ from damage.history.moments import check_samples, choose_sample, choose_samples
 from damage.history.reader import History
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
-from damage.measure.brick_stress import has_stresses, principal_stresses
 from damage.measure.cycles import shocks_table
 from damage.measure.energy import (
     energy_error_of,
@@ -198,53 +197,6 @@ def heap_picture(history: History) -> Figure:
         show_all(ax, before, now),
         history,
         [f"{after_s:.2f} s after the first brick fell, not magnified"],
-        handles,
-    )
-
-
-@style.styled
-def stress_picture(
-    history: History,
-    sample: str | int = "max",
-    slip: str = "displacement",
-    threshold: float = THRESHOLD,
-) -> Figure:
-    """Principal stresses at the centres of deformable bricks, in true scale: lines along them, as
-    long as they are large; arguments as of `wall_picture`.
-
-    InputError where bricks are rigid.
-    """
-    if history.stress_pa is None:
-        raise InputError(
-            f"{history.path} has no stresses: expected a run with --bricks deformable; run it"
-            " again so"
-        )
-    shape = wall_shape(history, sample, slip, threshold, magnify=0.0)
-    snapshot = int(np.abs(history.snapshot_time_s - shape.time_s).argmin())
-    bricks = shape.kinds == "bricks"
-    stress, angle = principal_stresses(history.stress_pa[snapshot, bricks, 0])
-    stress = stress.T
-    scale = history.bodies["length_m"][bricks].median() / max(np.abs(stress).max(), 1.0)
-    centre = shape.corners[bricks].mean(axis=1)
-    figure, ax = _figure_of_bodies(shape.corners, shape.kinds)
-    for values, direction in zip(stress, (angle, angle + np.pi / 2)):
-        half = (
-            0.5
-            * scale
-            * np.abs(values)[:, None]
-            * np.column_stack([np.cos(direction), np.sin(direction)])
-        )
-        _draw_lines(ax, centre, half, values > 0, 0.5)
-    tension, compression = (max(extreme, 0.0) / 1e6 for extreme in (stress.max(), -stress.min()))
-    handles = [
-        style.line_handle(style.VERMILLION, f"tension, up to {tension:.2g} MPa"),
-        style.line_handle(style.BLUE, f"compression, up to {compression:.2g} MPa"),
-    ]
-    return _with_words(
-        figure,
-        show_all(ax, shape.corners),
-        history,
-        [f"principal stresses at the bricks' centres, {history.snapshot_time_s[snapshot]:.2f} s"],
         handles,
     )
 
@@ -668,11 +620,10 @@ PICTURES = {
 
 
 def pictures_beside(history: History) -> dict[str, Callable]:
-    """{file name without suffix: function that draws it} of what only some Histories have: the heap
-    where bricks were followed beyond the collapse, stresses where bricks are deformable, the events
-    where there are several, forces at rest and at the maximum index where the run kept stresses."""
+    """Return {file name without suffix: function that draws it} of what only some Histories have:
+    the heap where bricks were followed beyond the collapse, the events where there are several,
+    forces at rest and at the maximum index where the run kept stresses."""
     pictures = {"heap": heap_picture} if has_heap(history) else {}
-    pictures |= {"stress_max": stress_picture} if has_stresses(history) else {}
     pictures |= {"sequence": sequence_picture} if has_sequence(history) else {}
     moments = () if history.joint_stress_pa is None else ("rest", "max")
     return pictures | {

@@ -27,9 +27,6 @@ class Buffer:
     def __init__(self, layout, *sinks, active=()):
         self._sinks = sinks
         self.path, self.where = (sinks[0].path, sinks[0].where) if sinks else (None, "nowhere")
-        # a house has no stresses of deformable bricks, a plane wall nothing out of its plane
-        left_out = {"stress_pa" if layout.IN_SPACE else "out_of_plane"}
-        self._snapshots = [name for name in schema.SNAPSHOTS if name not in left_out]
         self._rows = {"active": [], "events": [], "snapshots": [], "static_stage": []}
         self._blocks = defaultdict(list)  # {"GROUP/NAME": arrays of several rows}
         self._frames = {
@@ -92,9 +89,8 @@ class Buffer:
         )
 
     def snapshot(self, time_s, displacement, *more):
-        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage,
-        and stresses (n_bodies, 5, 3) [Pa] of deformable bricks, or what of the displacement is out
-        of the plane (n_bodies, 3) [m, rad, rad] of a house."""
+        """Add the bodies' displacement (n_bodies, 3) [m, m, rad] since the end of the static stage;
+        of a house also what of it is out of the plane (n_bodies, 3) [m, rad, rad]."""
         self._rows["snapshots"].append(
             (time_s, *(np.array(column, "f4") for column in (displacement, *more)))
         )
@@ -162,9 +158,7 @@ class Buffer:
         columns = {
             f"{group}/{name}": np.asarray(values, column.dtype)
             for group, rows in self._rows.items()
-            for name, values in zip(
-                self._snapshots if group == "snapshots" else schema.GROWING[group], zip(*rows)
-            )
+            for name, values in zip(schema.GROWING[group], zip(*rows))  # of a plane wall fewer
             for column in [schema.GROWING[group][name]]
         }
         columns |= {path: np.concatenate(blocks) for path, blocks in self._blocks.items() if blocks}

@@ -48,8 +48,7 @@ class History:
     contacts: samples of the active contact points; opening_m, slip_m, offset_m: those of all,
     (n_times, n_joints); broken, at_limit, crushed, ended: bool of that shape.
     snapshot_time_s: (n_snapshots,); displacement: (n_snapshots, n_bodies, 3) [m, m, rad];
-    stress_pa: (n_snapshots, n_bodies, 5, 3) along x, along z and shear at the centre and the
-    corners of each brick, None where bricks are rigid. supports: DataFrame, a row a support
+    supports: DataFrame, a row a support
     (left_m, right_m); support_displacement [m, m, rad], support_force [N, N, N m]: (n_times,
     n_supports, 3).
     joint_stress_pa: (n_times, n_joints, 2) normal stress, tension positive, and shear stress of
@@ -84,7 +83,6 @@ class History:
     static_stage: pd.DataFrame
     snapshot_time_s: np.ndarray
     displacement: np.ndarray
-    stress_pa: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
     house: HouseRows | None = None
     heard: tuple = ()
@@ -365,10 +363,7 @@ def history_of(path: Path, attributes: dict, values: Mapping, ended: bool = True
     dataset}."""
     n_times = _whole_rows(values, "series", "frames", "ground", "stresses", "house")
     n_snapshots = _whole_rows(values, "snapshots")
-    optional = {
-        "stress_pa": ("snapshots/stress_pa", n_snapshots),
-        "joint_stress_pa": ("stresses/joint_stress_pa", n_times),
-    }
+    stresses = "stresses/joint_stress_pa"
     collapsed = float(values["run/collapsed_at_s"][()])
     return History(
         path=path,
@@ -391,11 +386,7 @@ def history_of(path: Path, attributes: dict, values: Mapping, ended: bool = True
         ),
         snapshot_time_s=values["snapshots/time_s"][:n_snapshots],
         displacement=values["snapshots/displacement"][:n_snapshots],
-        **{
-            field: values[path][:count]
-            for field, (path, count) in optional.items()
-            if path in values
-        },
+        joint_stress_pa=values[stresses][:n_times] if stresses in values else None,
         supports=_columns(values, "supports"),
         support_displacement=values["ground/displacement"][:n_times],
         support_force=values["ground/force"][:n_times],

@@ -226,13 +226,6 @@ SNAPSHOTS = {
         "of the centres, and rotation x towards z, since the end of the static stage",
         "f4",
     ),
-    "stress_pa": Column(
-        "Pa",
-        "only of deformable bricks: along x, along z, shear, in the brick's axes, tension positive,"
-        " weight included; at the centre and at the corners, counter-clockwise from the lower left;"
-        " zero of caps",
-        "f4",
-    ),
     "out_of_plane": Column(
         "m, rad, rad",
         "only of a house: of the centres across their wall, and rotations about the axes along it"
@@ -295,7 +288,6 @@ STATE_COLUMN = Column(
     "u1",
 )
 OPTIONAL = {
-    "snapshots/stress_pa",
     "snapshots/out_of_plane",
     "stresses/joint_stress_pa",
     *(f"placing/{name}" for name in PLACING),
@@ -344,7 +336,6 @@ SHAPES = {
     "events": ("events",),
     "snapshots": ("snapshots",),
     "snapshots/displacement": ("snapshots", "bodies", 3),
-    "snapshots/stress_pa": ("snapshots", "bodies", 5, 3),
     "snapshots/out_of_plane": ("snapshots", "bodies", 3),
     "stresses": ("samples", "joints", 2),
     "house": ("samples", "walls"),

@@ -344,7 +344,6 @@ def growing_columns(layout, parameters):
     """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these
     parameters; rows of frames begin without active contact points."""
     optional = {
-        "snapshots/stress_pa": layout.strain is not None,
         "stresses/joint_stress_pa": parameters.get("stresses"),
         **dict.fromkeys(OF_HOUSES, layout.IN_SPACE),
     }

@@ -61,19 +61,18 @@ def inside_lintels(layout: Layout) -> np.ndarray:
 
 
 def joint_stiffness(
-    layout: Layout, factors: tuple[float, float] = (1.0, 1.0), of: slice | np.ndarray = slice(None)
+    layout: Layout, factor: float = 1.0, of: slice | np.ndarray = slice(None)
 ) -> Blocks:
-    """Stiffness of contact points [N/m, N, N m], times factors across and along each, as Blocks;
-    of: which, all by default."""
+    """Return the stiffness of contact points [N/m, N, N m] times a factor, as Blocks; of: which,
+    all by default."""
     contacts = layout.contacts
     rows = layout.directions
     ends = np.stack([contacts.first, contacts.second])
     across = contacts.normal_stiffness
     along = contacts.shear_stiffness
-    weights = [
-        (factor * (stiffness * contacts.area))[of]
-        for factor, stiffness in zip((*factors, factors[-1]), (across, along, along))
-    ][: len(rows)]
+    weights = [(factor * (stiffness * contacts.area))[of] for stiffness in (across, along, along)][
+        : len(rows)
+    ]
     return sum_of_products(
         len(layout.bodies),
         np.hstack([ends[:, of]] * len(rows)),

@@ -379,7 +379,7 @@ QUANTITIES = (
         supported="rigid; [settlement and soil springs](model.md#ground) follow closed forms",
         evidence="[overview](../validation/overview.md)",
         beyond="no settled building has been compared; soil has no mass, and "
-        "radiation damping at high frequency only; it lengthens the period by 67 to 131 %",
+        "no damping; it lengthens the period by 67 to 131 %",
     ),
 )
 

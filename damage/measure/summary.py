@@ -6,7 +6,6 @@ from damage.history.moments import check_samples
 from damage.history.reader import History
 from damage.index import COMPONENTS, DRIFT_LIMIT, THRESHOLD
 from damage.measure import (
-    brick_stress,
     cracks,
     cycles,
     damage_index,
@@ -28,7 +27,7 @@ _MODULES = {
     "Index, drift": [damage_index],
     "Forces": [pushed],
     "Cycles and period": [cycles],
-    "Cracks": [cracks, joints, brick_stress],
+    "Cracks": [cracks, joints],
     "Ground": [ground],
     "House": [house],
     "Energy": [energy],

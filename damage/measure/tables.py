@@ -2,7 +2,7 @@
 
 `python3 -m damage tables run FILE.h5 --out STEM` writes STEM_index.csv, _events.csv, _joints.csv,
 _cycles.csv, _static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a
-wall with floors _storeys.csv, of deformable bricks _bricks.csv, with --stresses _stresses.csv and
+wall with floors _storeys.csv, with --stresses _stresses.csv and
 _sections.csv, and STEM_info.json, their origin; of a house STEM_walls.csv, STEM_corners.csv and
 those of each wall.  `python3 -m damage
 tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
@@ -21,7 +21,6 @@ from damage.history.moments import check_samples
 from damage.history.reader import read_history
 from damage.history.schema import EVENT_COLUMNS, JOINTS, STATIC_STAGE, Column
 from damage.index import COMPONENTS
-from damage.measure.brick_stress import BRICKS, bricks_table, has_stresses
 from damage.measure.cycles import CYCLES, SHOCKS, cycles_table, shocks_table
 from damage.measure.damage_index import SLIP, STOREYS, index_by_all, index_columns, storeys_table
 from damage.measure.house import CORNERS, WALLS, corners_table, walls_table
@@ -203,7 +202,6 @@ RUN_TABLES = {
     "cycles": (cycles_table, CYCLES),
     "shocks": (shocks_table, SHOCKS),
     "storeys": (storeys_table, STOREYS),
-    "bricks": (bricks_table, BRICKS),
     "static_stage": (lambda history: history.static_stage, STATIC_STAGE),
     "stresses": (stresses_table, STRESSES),
     "sections": (sections_table, SECTIONS),
@@ -232,7 +230,6 @@ def write_run_tables(history, stem):
     has = {
         "shocks": history.series["shock"].iloc[-1] > 1,
         "storeys": history.masonry_wall.floors,
-        "bricks": has_stresses(history),
         **dict.fromkeys(("stresses", "sections"), history.joint_stress_pa is not None),
     }
     return [

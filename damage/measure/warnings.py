@@ -4,7 +4,6 @@ import numpy as np
 
 from damage.errors import Warned
 from damage.history.reader import History
-from damage.measure.brick_stress import warn_of_splitting
 from damage.measure.energy import ENERGY_ERROR, balance_error
 from damage.measure.joints import ended_joints, with_bond
 from damage.motion.loading import TopDisplacement
@@ -40,7 +39,6 @@ def warnings_of(history: History) -> list[Warned]:
         "elastic_share": warn_of_share(share),
         "push_drag": warn_of_drag(history),
         "ended_joints": warn_of_ends(history),
-        "splitting": warn_of_splitting(history),
         "apex": warn_of_apex(history.plan.wall.joint),
         "courses": warn_of_courses(history.plan),
         "slabs": warn_of_slabs(history.plan),

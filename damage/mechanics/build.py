@@ -31,7 +31,6 @@ from damage.units import GRAVITY
 from damage.wall.kinds import CAP_COURSE, CUT, rows
 from damage.wall.kinematics import slide_limits
 from damage.wall.restraints import top_of
-from damage.wall.soil import radiation_times
 from damage.wall.split import beside_cuts
 
 CAPACITY = 100_000
@@ -48,15 +47,11 @@ def build(layout):
     contacts = _contacts(layout, middle)
     n_bodies = len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
-    radiation = _radiation(
-        layout, np.arange(len(layout.contacts)) if n_modes else interfaces["start"]
-    )
     tables = make_tables(
         n_bodies + len(layout.supports),
         RIGID + n_modes,
         interfaces,
         contacts,
-        len(radiation),
         n_bodies if top_of(layout.wall) else 0,
         CAPACITY,
     )
@@ -67,7 +62,6 @@ def build(layout):
         system.states[f"elastic_{name}"] = values
     system.states["idle"] = -1.0
     sum_springs(system, layout.strain)
-    system.radiation[: len(radiation)] = radiation
     system.mass[:n_bodies, :RIGID] = layout.bodies.mass[:, None]
     system.mass[:n_bodies, ROTATION] = layout.bodies.inertia
     if layout.strain:
@@ -82,16 +76,6 @@ def build(layout):
             system.bearings["play"][beam] = top.play
             system.bearings["limit"][beam] = top.friction * GRAVITY * layout.top_mass
     return tables
-
-
-def _radiation(layout, row):
-    """Dashpots of the soil as of System; row: contact point of each row of `last`."""
-    times = radiation_times(layout.options)
-    if not any(times):
-        return np.zeros((0, 5))
-    coefficients = np.zeros((len(row), 5))
-    coefficients[layout.contacts.first[row] < 0, :2] = times
-    return coefficients
 
 
 def strain_tables(layout):

@@ -1,4 +1,4 @@
-"""Damping of interfaces: stiffness-proportional damping and dashpots of the ground."""
+"""Stiffness-proportional damping of interfaces."""
 
 from damage.mechanics import contacts, interfaces, rows, strain_modes
 from damage.mechanics.compiled import compiled, inlined
@@ -9,8 +9,8 @@ from damage.mechanics.tables import DAMPED, ROW
 
 @inlined
 def damp(n, tables, row, motion, resultant, changed, which):
-    """Resultant with stiffness-proportional damping and dashpots [N, N m]; stores motion and
-    elastic resultant for the next step, and adds up the work, in the walls `which` (flags).
+    """Return the Resultant with stiffness-proportional damping [N, N m]; store motion and elastic
+    resultant for the next step, and add up the work, in the walls `which` (flags).
 
     changed: change of the elastic resultant since the last step.
     """
@@ -19,18 +19,6 @@ def damp(n, tables, row, motion, resultant, changed, which):
     rows.keep_resultant(n, tables.last, row, which, resultant)
     bench = rows.bench_of(table_width(n), tables.bench, 0)
     viscous, work = interfaces.add_viscous(bench.rate, motion, before, resultant, changed)
-    if tables.radiates:
-        viscous, of_dashpots, more = interfaces.add_dashpots(
-            rows.dashpots_of(n, tables.radiation, row),
-            rows.dashpots_last(n, tables.radiation, row),
-            bench.step,
-            motion,
-            before,
-            viscous,
-            changed,
-        )
-        rows.keep_dashpots(n, tables.radiation, row, which, of_dashpots)
-        work = work + more
     add_part(n, tables.sums, DAMPED, row, either(which, work, 0.0))
     return viscous
 

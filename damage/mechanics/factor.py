@@ -9,7 +9,6 @@ from damage.linear.blocks import factorised
 from damage.linear.modes import elastic_key, joint_stiffness, kept, mass_vector
 from damage.mechanics.scaling import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
-from damage.wall.soil import radiation_times
 
 MASSLESS = 1e-30
 """What stands for the mass of a coordinate without one, whose velocity is prescribed [kg or kg
@@ -20,7 +19,7 @@ def scaled_mass(layout, time_step, beta, held=(), of=slice(None)):
     """The ScaledMass of a layout for a time step and stiffness-proportional damping [s], with
     bodies (rows) of which coordinates are `held` (their numbers): their velocity is prescribed;
     of: contact points whose stiffness counts; those of the last walls are kept."""
-    numbers = np.array([time_step, beta, *radiation_times(layout.options), *held], float)
+    numbers = np.array([time_step, beta, *held], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
     counts = np.ones(len(layout.contacts), bool)[of].tobytes()
     parts = elastic_key(layout), mass_vector(layout).tobytes(), damping, numbers.tobytes(), counts
@@ -84,13 +83,11 @@ class ScaledMass:
 def _scaled(layout, time_step, beta, held, of):
     """`whole` of a ScaledMass."""
     half = 0.5 * time_step
-    ground = layout.contacts.first < 0
     strain = layout.strain
     mass = mass_vector(layout).reshape(len(layout.bodies), -1)
-    share = [half * (time_step + beta + time * ground) for time in radiation_times(layout.options)]
     inertia = np.where(mass > 0, mass, MASSLESS)
     free = mass > 0
     if strain:
         inertia[:, RIGID:] += half * (time_step * strain.stiffness + strain.damping * strain.mass)
     free.flat[held] = False
-    return joint_stiffness(layout, share, of).bounded(free, inertia)
+    return joint_stiffness(layout, half * (time_step + beta), of).bounded(free, inertia)

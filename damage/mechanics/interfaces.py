@@ -100,14 +100,6 @@ class Resultant(NamedTuple):
     couple: float
 
 
-class Dashpots(NamedTuple):
-    """Dashpots of the soil beside the springs of an interface: damping over stiffness across and
-    along it [s]."""
-
-    across: float
-    along: float
-
-
 class BodyForces(NamedTuple):
     """Forces of an interface on its bodies along x and z: force on a, which is minus that on b [N];
     moment on a; minus the moment on b [N m]."""
@@ -232,21 +224,3 @@ def add_viscous(rate, motion, before, resultant, elastic_change):
         ),
         rate * work,
     )
-
-
-@inlined
-def add_dashpots(dashpots, last, dt, motion, before, resultant, elastic_change):
-    """Resultant with dashpots beside the springs, the Resultant of the dashpots [N, N m], and their
-    work by the trapezoidal rule over the step [J]; last: their Resultant in the last step; dt: time
-    step [s]; otherwise as `add_viscous`."""
-    across = dashpots.across / dt
-    along = dashpots.along / dt
-    now = Resultant(
-        across * elastic_change.normal, along * elastic_change.shear, across * elastic_change.couple
-    )
-    work = 0.5 * (
-        (last.normal + now.normal) * (motion.opening - before.opening)
-        + (last.shear + now.shear) * (motion.shear - before.shear)
-        + (last.couple + now.couple) * (motion.rotation - before.rotation)
-    )
-    return add(resultant, now), now, work

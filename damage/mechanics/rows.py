@@ -5,7 +5,6 @@ from numba.extending import overload
 from damage.law.joint_law import ContactState, ElasticRange, Material
 from damage.mechanics.compiled import inlined
 from damage.mechanics.interfaces import (
-    Dashpots,
     ElasticLimits,
     Line,
     Pose,
@@ -40,7 +39,6 @@ from damage.mechanics.tables import (
     MEAN,
     PARTS,
     PLACE,
-    RADIATION,
     READINGS,
     RIGID,
     ROTATION,
@@ -79,9 +77,6 @@ last_motion = reader(RelativeMotion, LAST)
 last_resultant = reader(Resultant, LAST, "last_")
 keep_motion = writer(RelativeMotion, LAST)
 keep_resultant = writer(Resultant, LAST, "last_")
-dashpots_of = reader(Dashpots, RADIATION)
-dashpots_last = reader(Resultant, RADIATION, "last_")
-keep_dashpots = writer(Resultant, RADIATION, "last_")
 
 
 @inlined

@@ -107,7 +107,7 @@ def advance(n, tables, model, controls, field, clock, begin, stops, sampling):
     walls (bits) that do not go on from within a call; stops: (stops, 2) rising numbers of steps
     from now, and the walls (bits) of which a sample is written there; sampling: Sampling.
     """
-    damped = controls[:, BETA].any() or tables.radiates
+    damped = controls[:, BETA].any()
     walls = (1 << len(controls)) - 1
     holds = tables.turning[:, :2].any()
     # of no literal type, for which numba would compile all of it once more
@@ -468,7 +468,7 @@ def with_wall(resultant, w, of_wall):
 def motion_before(n, tables, strain, points, motion, damped):
     """RelativeMotion of Points of one wall in the last step, stored where the wall damps, else by
     velocities; the present one between deformable bricks."""
-    if damped and (rows.bench_of(n, tables.bench, 0).rate > 0.0 or tables.radiates):
+    if damped and rows.bench_of(n, tables.bench, 0).rate > 0.0:
         return rows.last_motion(n, tables.last, points.row)
     if strain is not None:
         return motion

@@ -155,8 +155,6 @@ READINGS = Reading._fields
 """Fields of `readings`."""
 LAST = "opening", "shear", "rotation", "last_normal", "last_shear", "last_couple"
 """Fields of `last`: RelativeMotion and Resultant of the last step."""
-RADIATION = "across", "along", "last_normal", "last_shear", "last_couple"
-"""Fields of `radiation`: Dashpots, and their Resultant in the last step."""
 OF_STEP = "shear0", "idle", "passed"
 """Fields of a state that the step adds: shear displacement at which the contact had `shear_stress`
 [m]; opening up to which the law of a failed, open contact is not evaluated, negative before [m];
@@ -174,8 +172,8 @@ class System(
     namedtuple(
         "System",
         "place velocity force mass inverse_mass trig interfaces limits contacts strengths states"
-        " readings energy events values n_events relaxation last turning beam bearings radiation"
-        " springs material",
+        " readings energy events values n_events relaxation last turning beam bearings springs"
+        " material",
     )
 ):
     """Tables of one wall.
@@ -198,7 +196,6 @@ class System(
         share of that machine's force [-], and the rotation at which the spring has no moment [rad]
     beam (Beam): (1,) what gives bodies these shares
     bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
-    radiation: (rows of `last`, RADIATION) dashpots of the soil, none without soil
     springs: (interfaces, SPRINGS) of intact interfaces; material: (fields of Material,)
     """
 
@@ -210,7 +207,7 @@ class Tables(
     namedtuple(
         "Tables",
         "bodies inertia interfaces limits contacts strengths states readings energy events values"
-        " n_events relaxation last turning beam bearings radiation springs material radiates bench"
+        " n_events relaxation last turning beam bearings springs material bench"
         " sums others used lines alike first second every",
     )
 ):
@@ -221,29 +218,26 @@ class Tables(
     running mean of the velocity of each coordinate; energy, relaxation: (1, fields, W); events,
     values, n_events: the wall first; first, second: (interfaces,) rows of the bodies; every:
     (bodies,) all rows; lines: (blocks of eight interfaces, LINES, 8), copied by `copy_lines`;
-    alike: whether all walls have the `springs` of `lines`; radiates: whether `radiation` is used.
-    It has rows in any case, so that its layout, and with it the type of Tables, is always the same.
+    alike: whether all walls have the `springs` of `lines`.
 
     Work arrays: bench, sums; others: (interfaces,) bits of the walls in which an interface is
     evaluated contact point by contact point; used: (contacts,) 0 where a contact point is an intact
     spring in all walls.
 
     Tables of a single wall have rows up to a multiple of eight; interfaces there join the last body
-    to itself without springs and stay intact.  Its inertia, limits, last and radiation are in the
-    order of columns: a field of eight rows is a vector.
+    to itself without springs and stay intact.  Its inertia, limits and last are in the order
+    of columns: a field of eight rows is a vector.
     """
 
 
 SHARED = ("interfaces", "contacts")
 LOGS = ("events", "values", "n_events")
-WORK = "radiates", "bench", "sums", "others", "used", "lines", "alike", "first", "second", "every"
+WORK = "bench", "sums", "others", "used", "lines", "alike", "first", "second", "every"
 
 
-def make_tables(
-    n_bodies, coordinates, interfaces, contacts, n_dashpots, n_bearings, capacity, width=1
-):
-    """Tables of walls with these interfaces and contacts, all else zero; n_dashpots, n_bearings:
-    rows of `radiation` and `bearings`; capacity: largest number of events."""
+def make_tables(n_bodies, coordinates, interfaces, contacts, n_bearings, capacity, width=1):
+    """Tables of walls with these interfaces and contacts, all else zero; n_bearings: rows of
+    `bearings`; capacity: largest number of events."""
 
     def up(rows):
         return rows if width > 1 else -(-rows // 8) * 8
@@ -282,10 +276,8 @@ def make_tables(
         turning=zeros(n_bodies, 3),
         beam=zeros(1, len(Beam._fields)),
         bearings=zeros(n_bearings, len(Bearing._fields)),
-        radiation=by_columns(max(n_dashpots, 1), len(RADIATION)),
         springs=zeros(len(interfaces), len(SPRINGS)),
         material=zeros(1, len(Material._fields)),
-        radiates=n_dashpots > 0,
         bench=zeros(1, len(Bench._fields)),
         sums=zeros(SUMS, PARTS),
         others=np.zeros(p, np.uint8),
@@ -323,7 +315,6 @@ def join(members):
         old.inertia.shape[1] // INERTIAL,
         old.interfaces.copy(),
         old.contacts.copy(),
-        len(old.radiation) * old.radiates,
         len(old.bearings),
         old.events.shape[1],
         width=1 if len(members) == 1 else WIDTH,
@@ -376,7 +367,6 @@ def system_of(tables, w):
         turning=tables.turning[..., w],
         beam=_records(tables.beam, Beam._fields, w),
         bearings=_records(tables.bearings, Bearing._fields, w),
-        radiation=tables.radiation[: damped * tables.radiates, :, w],
         springs=tables.springs[..., w],
         material=tables.material[0, :, w],
     )

@@ -65,7 +65,7 @@ CASES = {
     "cyclic": Case(SMALL, "--cyclic 0.02,0.05 --cycles 1"),
     "settled": Case(SMALL, f"--settle hogging --distortion 1/500 {SHAKEN}"),
     "tilted": Case(SMALL, "--settle tilt --distortion 1/200"),
-    "soil": Case(SMALL, f"--soil 1e9 --soil-velocity 100 {SHAKEN}"),
+    "soil": Case(SMALL, f"--soil 1e9 {SHAKEN}"),
     "falling": Case(SMALL, "--new-contacts --harmonic 0.1 1.5 --rest 0.2"),
     "drawn": Case(SMALL, f"--strength-cov 0.3 --strength-seed 7 {SHAKEN}"),
     "eight": Case(SMALL, f"--scatter 0.1 {SHAKEN}", members=True),

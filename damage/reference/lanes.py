@@ -216,7 +216,7 @@ def kind_of(wall):
         ),
         *of_modes,
         *wall.cuts[:-1],
-        np.array([len(system.radiation), len(system.bearings)]),
+        np.array([len(system.bearings)]),
         *(wall.mass.matrix[:6] if wall.mass else ()),
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]

@@ -23,7 +23,6 @@ STATE_TABLES = (
     "readings",
     "energy",
     "relaxation",
-    "radiation",
     "bearings",
 )
 """Fields of System that a step changes; masses, contact parameters, the log of events, and what
@@ -109,7 +108,6 @@ class ReferenceSolver(ReferenceWall, Solver):
         moved = samples.displacement[rows]
         joints = self.active_contacts()
         n = len(self.layout.bodies)
-        strain = moved[:, :n, RIGID:] if self.layout.strain else None
         contacts = {
             name: values[rows] for name, values in self.contact_data(samples, joints).items()
         }
@@ -127,8 +125,7 @@ class ReferenceSolver(ReferenceWall, Solver):
             total(samples.stored)[rows] + totals[:, ELASTIC] + self._in_bearing(),
             totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]),
             *totals[:, KINETIC + 2 : ELASTIC].T,
-            strain,
-            stress,
+            joint_stress_pa=stress,
         )
 
     def _in_bearing(self):

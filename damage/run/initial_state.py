@@ -13,11 +13,11 @@ from damage.history.schema import STATE
 from damage.history.writer import layout_tables
 
 KEPT = (
-    *("displacement", "out_of_plane", "support_displacement", "strain"),
+    *("displacement", "out_of_plane", "support_displacement"),
     *("elastic_j", "friction_j", "fracture_j"),
 )
-"""Fields of the Instants at the first run's time zero, from which displacements and energies count;
-the strain of deformable bricks, None of rigid ones, moves material points."""
+"""Fields of the Instants at the first run's time zero, from which displacements and energies
+count."""
 
 
 # --- the end of another run -----------------------------------------------------------------------

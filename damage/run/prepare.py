@@ -24,7 +24,6 @@ from damage.run.schedule import check_size, check_top
 from damage.run.scheme import schemes
 from damage.run.settings import SELECTIVE, SOFTENING_BETA_S, RunSettings
 from damage.wall.layout import Layout
-from damage.wall.soil import fastest_decay
 
 
 @dataclass(frozen=True)
@@ -216,7 +215,7 @@ def plan_of(backend, wall, settings):
     layout = _laid_out(wall, settings)
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
-    options = schemes(settings, wall.masonry, modes, fastest_decay(layout))
+    options = schemes(settings, wall.masonry, modes)
     ((settings, time_step), *repeats), so_far = schemes_left(settings.resumed, options)
     check_size(settings, layout, time_step)
     check_top(settings, layout, time_step)

@@ -12,7 +12,6 @@ from damage.run.initial_state import with_zero, zero_of
 from damage.run.settings import SELECTIVE
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
-from damage.wall.strain import stress_by_modes
 
 
 class Sampler:
@@ -46,7 +45,6 @@ class Sampler:
         self.collapsed_at_s = None
         moves = settings.ground_moves or bool(state and state["base_moves"])
         self._base_motions = [monitor.BaseMotion(layout, *base) for base in layout.bases if moves]
-        self._stress = stress_by_modes(layout) if settings.model.has_modes else None
         self._lowest = monitor.lowest_places(layout)
         self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # of damping that the solver does not compute
@@ -168,14 +166,11 @@ class Sampler:
         return None if problem is None else (problem, time_s[end])
 
     def snapshot(self, time_s, now, motion, k):
-        """Arguments of the writer's `snapshot`: time, motion and, of deformable bricks, stresses of
-        sample k."""
-        if now.out_of_plane is not None:
-            return time_s, motion[k], now.out_of_plane[k] - (self.zero or now).out_of_plane[0]
-        if self._stress is None:
+        """Return arguments of the writer's `snapshot`: time and motion of sample k, of a house also
+        that out of the plane."""
+        if now.out_of_plane is None:
             return time_s, motion[k]
-        stress = self._stress * now.strain[k][:, np.newaxis, np.newaxis]
-        return time_s, motion[k], np.sum(stress, axis=-1)
+        return time_s, motion[k], now.out_of_plane[k] - (self.zero or now).out_of_plane[0]
 
     def write_events(self, events, since=0):
         """Write what a solver drained; since: its clock's zero, in steps since the end of the

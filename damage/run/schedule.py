@@ -48,14 +48,14 @@ class Stage:
     end_step: int
 
 
-def choose_time_step(settings, critical_s, softens=False, decay_1_s=0.0):
-    """The run's time step [s]; InputError above the stable one.  softens: whether the wall's joints
-    do; decay_1_s: `damage.wall.soil.fastest_decay`.
+def choose_time_step(settings, critical_s, softens=False):
+    """Return the run's time step [s]; raise InputError above the stable one.  softens: whether the
+    wall's joints do.
 
     Viscous damping lowers the critical step to (2 / omega) (sqrt(1 + xi^2) - xi) with the ratio
     xi = alpha / (2 omega) + beta omega / 2; local damping by sqrt(1 + damping).
     """
-    xi = (settings.beta_s or 0.0) / critical_s + (settings.alpha_1_s + decay_1_s) * critical_s / 4
+    xi = (settings.beta_s or 0.0) / critical_s + settings.alpha_1_s * critical_s / 4
     limit = critical_s * min(np.sqrt(1 + xi * xi) - xi, 1 / np.sqrt(1 + LOCAL_DAMPING))
     if settings.time_step_s is None:
         factor = SOFTENING_STEP_FACTOR if softens else STEP_FACTOR

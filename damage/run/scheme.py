@@ -60,9 +60,9 @@ def _is_compared(settings, wall):
     )
 
 
-def schemes(settings, wall, modes, decay_1_s=0.0):
+def schemes(settings, wall, modes):
     """(RunSettings, time step [s]) of a run and of those that repeat it until one is accepted;
-    wall: damage.Wall, its `damage.linear.modes.Modes` and `damage.wall.soil.fastest_decay` [1/s].
+    wall: damage.Wall, its `damage.linear.modes.Modes`.
     Raises InputError where steps with mass scaling are no longer than explicit ones, or longer than
     was shown."""
     critical_s = modes.critical_time_step_s
@@ -78,7 +78,7 @@ def schemes(settings, wall, modes, decay_1_s=0.0):
     def explicit(settings):
         """Runs in the step of brittle joints, then in that of this wall's."""
         steps = {
-            choose_time_step(settings, critical_s, softens, decay_1_s)
+            choose_time_step(settings, critical_s, softens)
             for softens in (False, wall.joint.softens)
         }
         return tuple((settings, step) for step in sorted(steps, reverse=True))
@@ -87,7 +87,7 @@ def schemes(settings, wall, modes, decay_1_s=0.0):
         """Explicit runs, before them one with scaled lintels where these limit the step."""
         if settings.model.has_modes or not masonry_s > critical_s:
             return explicit(settings)
-        longer_s = choose_time_step(settings, masonry_s, decay_1_s=decay_1_s)
+        longer_s = choose_time_step(settings, masonry_s)
         return ((replace(settings, mass_scaling=LINTELS), longer_s), *explicit(settings))
 
     by_rule = settings.mass_scaling is None and settings.time_step_s is None

@@ -28,8 +28,7 @@ class Instants(NamedTuple):
     and elastic, and those
     that came in or were dissipated since `start`;
     damping_j: None where the solver does not compute it: the run then infers it from the balance;
-    strain: (n, n_bodies, n_modes) amplitudes of the strain modes of deformable bricks [m sqrt(kg)],
-    None of rigid ones; joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear
+    joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear
     stress of all contact points, signed as their slip, None of a solver without `with_stresses`;
     out_of_plane: (n, n_bodies, 3) of a house, displacement across its wall and rotations about the
     axes along it and upwards [m, rad, rad], None of a plane wall;
@@ -49,7 +48,6 @@ class Instants(NamedTuple):
     friction_j: np.ndarray
     fracture_j: np.ndarray
     damping_j: np.ndarray | None
-    strain: np.ndarray | None = None
     joint_stress_pa: np.ndarray | None = None
     out_of_plane: np.ndarray | None = None
     failed_ties: np.ndarray | None = None

@@ -13,7 +13,7 @@ SOILS = (1e5, 1e12)
 
 _KINDS = tuple(kind for kind in KINDS_OF_LINTELS if kind != "stone")
 """Kinds of lintels that are complete by their name."""
-_OF_SOIL = ("soil_shear", "footing", "soil_velocity")
+_OF_SOIL = ("soil_shear", "footing")
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class ModelOptions:
     forces the history has.
     soil: "rigid", or springs below the base (`damage.wall.soil`) of so many N/m3 vertically, as a
         word; soil_shear: horizontal over vertical stiffness; footing: width over which they act
-        [m]; soil_velocity: shear-wave velocity [m/s] of a soil with radiation damping, 0 without.
+        [m].
     bricks: "rigid", their compliance lumped into the joints, or "deformable"
         (`damage.wall.strain`), with brick_damping of their strain modes' critical damping.
     """
@@ -141,16 +141,6 @@ class ModelOptions:
         metavar="M",
         tag="footing-{footing:g}",
         help="soil: width of the footing [m]",
-    )
-    soil_velocity: float = quantity(
-        "m/s",
-        20,
-        2000,
-        words=(0,),
-        default=0.0,
-        metavar="M_S",
-        tag="soil-velocity-{soil_velocity:g}",
-        help="soil: shear-wave velocity, for radiation damping (reference solver); 0: none",
     )
     bricks: str = choice(
         ("rigid", "deformable"),

@@ -35,7 +35,7 @@ class BrickModes:
 
     degrees: (n, 2) along x and z of each product of Legendre polynomials; frequency: (n_modes,)
     [rad/s]; coefficients: (2, n, n_modes) of the displacement along x and z [1/sqrt(kg)], in
-    coordinates that go from -1 to 1; elasticity: (3, 3) stress by strain [Pa].
+    coordinates that go from -1 to 1.
     """
 
     length: float
@@ -43,31 +43,11 @@ class BrickModes:
     degrees: np.ndarray
     frequency: np.ndarray
     coefficients: np.ndarray
-    elasticity: np.ndarray
 
     def displacement(self, x, z):
         """Along x and z by a unit of each mode, (n, 2, n_modes) [1/sqrt(kg)], at points (n,) [m]
         from the centre."""
-        terms, _, _ = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
-        return self._sum(terms)
-
-    def stress(self, x, z):
-        """Normal stress along x and z, tension positive, and shear stress by a unit of each mode,
-        (n, 3, n_modes) [Pa/(m sqrt(kg))], at points x, z (n,) [m] from the centre."""
-        _, along_x, along_z = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
-        dx = self._sum(2 / self.length * along_x)
-        dz = self._sum(2 / self.height * along_z)
-        strain = dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]
-        return np.stack(
-            [
-                sum(modulus * share for modulus, share in zip(row, strain))
-                for row in self.elasticity
-            ],
-            axis=1,
-        )
-
-    def _sum(self, terms):
-        """Sum of terms (n_points, n) by the coefficients: (n_points, 2, n_modes)."""
+        terms = _polynomials(self.degrees, 2 * x / self.length, 2 * z / self.height)
         return sum(
             terms[:, k, None, None] * self.coefficients[:, k] for k in range(len(self.degrees))
         )
@@ -106,9 +86,8 @@ def brick_modes(brick, length, order=ORDER):
     """
     degrees = np.array([(i, j) for i in range(order + 1) for j in range(order + 1 - i)])
     height = brick.height
-    elasticity = elasticity_of(brick)
     n = len(degrees)
-    matrix = _stiffness(degrees, length, height, elasticity)
+    matrix = _stiffness(degrees, length, height, elasticity_of(brick))
     density = to_bits(brick.density)
     matrix /= density
     # Rigid are the constants, and what the linear terms make of the brick's rotation; beside that
@@ -145,7 +124,6 @@ def brick_modes(brick, length, order=ORDER):
         degrees=degrees,
         frequency=frequency[order],
         coefficients=vectors.reshape(2, n, -1),
-        elasticity=elasticity,
     )
 
 
@@ -154,23 +132,6 @@ def _with_sign(vector):
     that no tie decides."""
     size = np.abs(vector)
     return vector * np.sign(vector[np.argmax(size >= size.max() / 2)])
-
-
-def stress_by_modes(layout):
-    """Stress along x, along z and shear in all bodies of a Layout, at the centre and at the
-    corners, counter-clockwise from the lower left, by a unit of each mode: (n_bodies, 5, 3,
-    n_modes) [Pa/(m sqrt(kg))], zero of caps."""
-    places = np.array([(0.0, 0.0), (-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
-    stress = np.zeros((len(layout.bodies), len(places), 3, layout.strain.n_modes))
-    for brick in range(layout.n_bricks):
-        modes = modes_of(layout, brick)
-        stress[brick] = modes.stress(*(places * (modes.length, modes.height)).T)
-    return stress
-
-
-def modes_of(layout, brick):
-    """BrickModes of a brick of a Layout."""
-    return _brick_modes(layout.wall.brick, layout.bodies.length[brick])
 
 
 def _brick_modes(brick, length):
@@ -199,8 +160,7 @@ def elasticity_of(brick):
 def strain_of(brick, options, bodies, contacts, n_bricks):
     """The Strain of bricks of a damage.Brick by ModelOptions; bodies, contacts: tables of a Layout.
 
-    Bricks with a tensile strength stay whole; `damage.measure.brick_stress` tells where they would
-    split.
+    Bricks with a tensile strength stay whole.
     """
     modes = [_brick_modes(brick, length) for length in bodies.length[:n_bricks]]
     frequency = np.zeros((len(bodies), len(modes[0].frequency)))
@@ -271,24 +231,17 @@ def _stiffness(degrees, length, height, elasticity):
 
 
 def _polynomials(degrees, x, z):
-    """Products of polynomials as of `_stiffness`, (n_points, n), at points of -1 to 1, and their
-    derivatives by these coordinates."""
-    (of_x, slope_x), (of_z, slope_z) = (
-        _legendre(np.asarray(place, float), degrees.max()) for place in (x, z)
-    )
+    """Return products of polynomials as of `_stiffness`, (n_points, n), at points of -1 to 1."""
+    of_x, of_z = (_legendre(np.asarray(place, float), degrees.max()) for place in (x, z))
     i, j = degrees.T
-    return tuple(
-        (one[i] * other[j]).T for one, other in ((of_x, of_z), (slope_x, of_z), (of_x, slope_z))
-    )
+    return (of_x[i] * of_z[j]).T
 
 
 def _legendre(x, most):
-    """Legendre polynomials up to a degree at points (n,), times sqrt(2 k + 1), and their slopes:
-    (degrees, n) each."""
+    """Return Legendre polynomials up to a degree at points (n,), times sqrt(2 k + 1): (degrees,
+    n)."""
     values = [np.ones(len(x)), x]
-    slopes = [np.zeros(len(x)), np.ones(len(x))]
     for k in range(1, most):
         values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
-        slopes.append((2 * k + 1) * values[k] + slopes[k - 1])
     root = np.sqrt(2.0 * np.arange(most + 1) + 1)[:, None]
-    return root * np.array(values[: most + 1]), root * np.array(slopes[: most + 1])
+    return root * np.array(values[: most + 1])

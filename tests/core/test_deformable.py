@@ -18,7 +18,6 @@ from scipy.sparse.linalg import splu
 from short_runs import solver_of
 
 from damage import Brick, Joint, ModelOptions, Wall, load_wall
-from damage.draw.run import save_all
 from damage.eigen import eigen
 from damage.linear.modes import (
     mass_vector,
@@ -33,7 +32,7 @@ from damage.run.banner import describe_brick
 from damage.run.schedule import deformable_warnings
 from damage.units import GRAVITY
 from damage.wall.layout import lay_out
-from damage.wall.strain import MASS_FACTOR, brick_modes, elasticity_of, modes_of
+from damage.wall.strain import MASS_FACTOR, brick_modes, elasticity_of
 from verification.triangles import Mesh
 
 BRICK = Brick()
@@ -82,6 +81,20 @@ def test_modes_are_orthonormal_and_free_of_rigid_motion(order, number):
     assert_allclose(np.einsum("p,rcp,pcm->rm", mass, rigid, moved), 0, atol=1e-13)
 
 
+def strain_at(modes, x, z, step=1e-6):
+    """Strain along x, along z and shear by a unit of each mode at points (n,) [m]: (n, 3, modes),
+    by central differences, exact of polynomials of order 2."""
+    dx, dz = (
+        (
+            modes.displacement(x + i * step, z + j * step)
+            - modes.displacement(x - i * step, z - j * step)
+        )
+        / (2 * step)
+        for i, j in ((1, 0), (0, 1))
+    )
+    return np.stack([dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]], axis=1)
+
+
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("length", [LENGTH, 0.1])
 def test_modes_solve_the_eigenproblem_by_gauss_points(length, order):
@@ -91,10 +104,10 @@ def test_modes_solve_the_eigenproblem_by_gauss_points(length, order):
     place, weight = np.polynomial.legendre.leggauss(5)
     x, z = (axis.ravel() for axis in np.meshgrid(place * length / 2, place * HEIGHT / 2))
     volume = np.outer(weight, weight).ravel() / 4 * length * HEIGHT * THICKNESS
-    stress = modes.stress(x, z)
-    strain = np.einsum("ij,pjm->pim", np.linalg.inv(modes.elasticity), stress)
+    strain = strain_at(modes, x, z)
+    stress = np.einsum("ij,pjm->pim", elasticity_of(BRICK), strain)
     squares = np.einsum("p,pim,pin->mn", volume, stress, strain)
-    assert_allclose(squares, np.diag(modes.frequency**2), atol=1e-13 * modes.frequency[-1] ** 2)
+    assert_allclose(squares, np.diag(modes.frequency**2), atol=1e-7 * modes.frequency[-1] ** 2)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 12])
@@ -117,24 +130,6 @@ def test_elasticity_in_plane_stress():
         [[normal, ratio * normal, 0], [ratio * normal, normal, 0], [0, 0, 2.16e9]],
         rtol=2e-4,
     )
-
-
-def test_stresses_are_those_of_the_displacements():
-    modes = brick_modes(BRICK, LENGTH, 3)
-    step = 1e-6
-    x = np.array([0.03, -0.1])
-    z = np.array([0.02, -0.03])
-    dx, dz = (
-        (
-            modes.displacement(x + i * step, z + j * step)
-            - modes.displacement(x - i * step, z - j * step)
-        )
-        / (2 * step)
-        for i, j in ((1, 0), (0, 1))
-    )
-    strain = np.stack([dx[:, 0], dz[:, 1], dz[:, 0] + dx[:, 1]], axis=1)
-    stress = np.einsum("ij,pjm->pim", elasticity_of(BRICK), strain)
-    assert_allclose(modes.stress(x, z), stress, atol=1e-7 * np.abs(stress).max())
 
 
 def orders(numbers, errors):
@@ -181,18 +176,17 @@ def test_patch():
     (place, weight) = np.polynomial.legendre.leggauss(4)
     for brick in np.flatnonzero(layout.bodies.course == 5):
         length = layout.bodies.length[brick]
-        modes = modes_of(layout, brick)
+        modes = brick_modes(layout.wall.brick, length)
         moved = modes.displacement(place * length / 2, np.full(4, HEIGHT / 2))
         load[brick, 1] = -pressure * length * THICKNESS
         load[brick, RIGID:] = -pressure * length * THICKNESS * weight / 2 @ moved[:, 1]
     found = displacement(layout, load)
     for brick in range(layout.n_bricks):
         x, z = (axis.ravel() for axis in np.meshgrid([-0.5, 0.1, 0.5], [-0.5, 0.2, 0.5]))
-        stress = (
-            modes_of(layout, brick).stress(x * layout.bodies.length[brick], z * HEIGHT)
-            @ found[brick, RIGID:]
-        )
-        assert_allclose(stress / pressure, np.tile([0.0, -1.0, 0.0], (9, 1)), atol=1e-10)
+        length = layout.bodies.length[brick]
+        strain = strain_at(brick_modes(layout.wall.brick, length), x * length, z * HEIGHT)
+        stress = strain @ found[brick, RIGID:] @ elasticity_of(layout.wall.brick)
+        assert_allclose(stress / pressure, np.tile([0.0, -1.0, 0.0], (9, 1)), atol=1e-7)
 
 
 def of_timoshenko(layout):
@@ -274,7 +268,7 @@ def test_a_strain_mode_vibrates_at_its_frequency_and_decays_by_its_damping(ratio
     """A brick on joints a millionth as stiff: q = exp(-zeta w t) sin(w_d t) / w_d, w its frequency
     over sqrt(mass)."""
     layout = lay(1, 1, stiffer(1e-6), brick_damping=ratio)
-    frequency = modes_of(layout, 0).frequency[1] / np.sqrt(MASS_FACTOR)
+    frequency = brick_modes(BRICK, layout.bodies.length[0]).frequency[1] / np.sqrt(MASS_FACTOR)
     solver = ReferenceSolver(layout, 0.002 / frequency)
     solver.start(np.zeros((0, 2)), np.zeros(1))
     solver.system.velocity[0, RIGID + 1] = 1e-6
@@ -328,31 +322,12 @@ def test_damping_of_static_solutions_acts_on_strain_modes(damping):
     assert_allclose(total_energy(solver), began, atol=0.05 * kick)  # what was taken is counted
 
 
-def test_a_run_has_a_balanced_history(run_of, tmp_path, monkeypatch):
+def test_a_run_has_a_balanced_history(run_of):
     history = run_of("deformable")
     assert (history.model.bricks, history.model.contacts) == ("deformable", "gauss")
     assert energy_error(history.series) < 5e-3
     assert history.series["damping_energy_j"].iloc[-1] > 0
     assert set(history.events["kind"]) >= {"tension", "opened"}
-    check_stresses(history)
-    # those of every run are drawn by other tests
-    monkeypatch.setattr("damage.draw.run.PICTURES", {})
-    assert any(path.stem == "stress_max" for path in save_all(history, tmp_path / "pictures"))
-
-
-def check_stresses(history):
-    """At the start the lowest course carries the weight of all that is above its middle, in the
-    mean over its bricks; and the top course's stresses at rest are those of the precompression."""
-    bodies = history.bodies
-    first = history.stress_pa[0].astype(float)
-    area = bodies["length_m"] * THICKNESS
-    for course in (0, 7):
-        these = (bodies["course"] == course).to_numpy()
-        above = ((bodies["course"] > course) | (bodies["course"] < 0)).to_numpy()
-        weight = GRAVITY * (bodies["mass_kg"][above].sum() + bodies["mass_kg"][these].sum() / 2)
-        assert_allclose((first[these, 0, 1] * area[these]).sum(), -weight, rtol=1e-3)
-    assert not first[(bodies["course"] < 0).to_numpy()].any()
-    assert history.stress_pa.shape == (len(history.snapshot_time_s), len(bodies), 5, 3)
 
 
 # --- options ------------------------------------------------------------------------------------

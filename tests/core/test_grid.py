@@ -114,7 +114,6 @@ GRID = {
     "lintel as an arch": Case({"lintel": Lintel("arch")}),
     "one support a brick": Case(options={"supports": "bricks"}),
     "soil": Case(options={"soil": 1e8}),
-    "soil that radiates": Case(options={"soil": 1e8, "soil_velocity": 100.0}),
     "damping by stiffness": Case(beside=STIFFER, beta_s=1e-6),
     "softening joints": Case({"joint": SOFT}, beside=STIFFER, peak=40.0),
     "crushing joints": Case({"joint": replace(WEAK, compressive_strength=3e5)}, happens=CRUSHED),

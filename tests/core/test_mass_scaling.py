@@ -96,7 +96,7 @@ def test_kinetic_energy_with_the_matrix_closes_the_balance_of_a_linear_wall(layo
 
 def in_plain_python():
     """Steps of walls whose compilation takes longer than they do."""
-    soil = ModelOptions(soil="1e9", soil_velocity=100.0)
+    soil = ModelOptions(soil="1e9")
     deformable = ModelOptions(bricks="deformable", contacts="gauss")
     for model in (deformable, soil):
         for held in (False, True):

@@ -10,15 +10,14 @@ from checks.settling_support import pier, settle
 from conftest import REPOSITORY, parsed, refused_with, rigid_turn, written
 from numpy.testing import assert_allclose
 from pytest import approx
-from scipy.linalg import eigh
 from short_runs import SMALL, solver_of
 
 import damage
 from damage import Brick, Floor, Joint, ModelOptions, Opening, Wall, read_history, run
 from damage.applications.cracks.compare import compare
 from damage.errors import RunError
-from damage.linear.modes import mass_vector, natural_modes, stiffness_matrix
-from damage.measure.cycles import natural_period, upward_crossings
+from damage.linear.modes import natural_modes
+from damage.measure.cycles import natural_period
 from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
 from damage.measure.ground import distortion, settlement_measures
@@ -36,7 +35,6 @@ from damage.run.settings import RunSettings
 from damage.run.solver import NO_MOTION
 from damage.units import GRAVITY
 from damage.wall.layout import Supports, lay_out
-from damage.wall.soil import fastest_decay, radiation_times
 
 STRONG = Joint(tensile_strength=1e9, cohesion=1e9)
 PIER = Wall("pier", 1.35, 0.6, [Opening(0.45, 0.45, 0.3)], lintel="courses", joint=STRONG)
@@ -473,11 +471,10 @@ def periods(layout, weight=True):
     )
 
 
-def matrices(layout, weight=True, times=(1.0, 1.0)):
-    """Mass and stiffness (2, 2) of the centre's displacement and the rotation; times: factors on
-    the springs up and along."""
+def matrices(layout, weight=True):
+    """Mass and stiffness (2, 2) of the centre's displacement and the rotation."""
     wall = layout.wall
-    up, along = np.array(stiffness(layout)) * times
+    up, along = stiffness(layout)
     mass = layout.total_mass
     half = wall.height / 2
     inertia = mass * (wall.length**2 + wall.height**2) / 12
@@ -504,60 +501,6 @@ def test_the_period_of_a_block_is_that_of_the_closed_form(length, height, share)
         *(history.moving[name].to_numpy() for name in ("time_s", "top_displacement_m"))
     )
     assert found == approx(periods(layout).max(), rel=5e-3)
-
-
-def test_dashpots_of_the_soil_take_energy_as_by_the_closed_form():
-    """Decay of a rocking block by the complex eigenvalues of its two equations of motion with
-    dashpots."""
-    velocity = 50.0
-    options = {
-        "contacts": "gauss",
-        "soil": SOIL,
-        "footing": FOOTING,
-        "soil_shear": 1.0,
-        "soil_velocity": velocity,
-    }
-    layout = lay_out(block(0.6, 1.8), ModelOptions(**options))
-    times = radiation_times(layout.options)
-    assert times == approx((1800 * 3.4 * velocity / (math.pi * 0.6) / SOIL, 1800 * velocity / SOIL))
-    mass, k = matrices(layout)
-    damping = matrices(layout, weight=False, times=times)[1]
-    inverse = np.linalg.inv(mass)
-    none = np.zeros((2, 2))
-    roots = np.linalg.eigvals(np.block([[none, np.eye(2)], [-inverse @ k, -inverse @ damping]]))
-    first = roots[np.argmin(np.abs(roots))]
-    history = run(layout.wall, free_vibration=True, rest=1.0, dt=1e-4, **options)
-    assert not history.opening_m.any()
-    time_s, top = (history.moving[name].to_numpy() for name in ("time_s", "top_displacement_m"))
-    crossings = upward_crossings(time_s, top)
-    period = np.diff(crossings)[:3].mean()
-    assert period == approx(2 * math.pi / abs(first.imag), rel=5e-3)
-    peaks = [
-        np.abs(top[(time_s >= begin) & (time_s < begin + period)]).max() for begin in crossings[:4]
-    ]
-    assert np.log(peaks[0] / peaks[3]) / (3 * period) == approx(-first.real, rel=0.02)
-    assert energy_error_of(history) < 1e-3
-    expected = history.series["kinetic_energy_j"].iloc[0] * (
-        1 - math.exp(2 * first.real * time_s[-1])
-    )
-    assert history.moving["damping_energy_j"].iloc[-1] == approx(expected, rel=0.03)
-
-
-def test_the_fastest_decay_is_that_of_the_stiffest_base_by_lapack():
-    """Dashpots are springs of the soil times their times."""
-    wall = Wall("w", 1.0, 0.6, precompression=0.0)
-    layout = lay_out(wall, ModelOptions(soil=SOIL, soil_velocity=100.0))
-    contacts = layout.contacts
-    (up, along) = radiation_times(layout.options)
-    ground = contacts.first < 0
-    dashpots = replace(
-        contacts,
-        normal_stiffness=up * ground * contacts.normal_stiffness,
-        shear_stiffness=along * ground * contacts.shear_stiffness,
-    )
-    damping = stiffness_matrix(replace(layout, contacts=dashpots)).toarray()
-    rates = eigh(damping, np.diag(mass_vector(layout)), eigvals_only=True)
-    assert fastest_decay(layout) == approx(rates[-1], rel=1e-9)
 
 
 def test_the_base_lifts_off_at_the_exact_moment():

@@ -205,10 +205,8 @@ def test_walls_of_other_bricks_soil_or_strain_modes_are_reported():
         )
         return ReferenceSolver(lay_out(wall, ModelOptions(**options)), 1e-6)
 
-    soil = {"soil": 1e9}
     for one, other in (
         (built(), built(cells=3)),
-        (built(**soil), built(**soil, soil_velocity=100.0)),
         (built(bricks="deformable"), built(bricks="deformable", young=5.2e9)),
     ):
         with pytest.raises(ValueError, match="other bricks"):

@@ -41,7 +41,6 @@ def history(tmp_path_factory):
     made = make_history(tmp_path_factory.mktemp("dictionary") / "a.h5", opening={3: 2e-3})
     return replace(
         made,
-        stress_pa=np.zeros((len(made.snapshot_time_s), len(made.bodies), 5, 3)),
         joint_stress_pa=np.full((len(made.series), len(made.joints), 2), -1e5),
     )
 

@@ -27,7 +27,6 @@ from damage.files import write_bytes
 from damage.history.in_space import InSpace
 from damage.history.moments import check_samples, joint_states, nearest_snapshot, support_motion
 from damage.history.reader import History
-from damage.measure.brick_stress import principal_stresses
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.kinds import rows
 
@@ -95,7 +94,7 @@ def _fill(root, cells):
         "CellData",
         shapes,
         shape_of,
-        lambda k: {"rotation_rad": cells.rotation(k), **cells.brick_fields(k)},
+        lambda k: {"rotation_rad": cells.rotation(k)},
     )
     _keep(root, steps, "CellData", [0], np.zeros_like(samples), lambda k: cells.fixed)
     _keep(root, steps, "CellData", samples, samples, cells.joint_fields)
@@ -216,27 +215,6 @@ class WallCells:
             for name in ("first_body", "second_body")
         )
         return np.concatenate([of_bodies, (first + second) / 2]).astype(np.float32)
-
-    def brick_fields(self, snapshot):
-        """{name: (n_cells, 3) or (n_cells,)} of the bricks in a snapshot, 0 in joints: stress_pa at
-        the centre (along x, along z, shear) and its principal stresses; empty where bricks are
-        rigid; -1: zero."""
-        if self.history.stress_pa is None:
-            return {}
-        stress = self.history.stress_pa[max(snapshot, 0), :, 0] * float(snapshot >= 0)
-        principal = principal_stresses(stress)[0]
-        fields = {
-            "stress_pa": stress,
-            "max_principal_stress_pa": principal[:, 0],
-            "min_principal_stress_pa": principal[:, 1],
-        }
-        n_joints = len(self.history.joints)
-        return {
-            name: (
-                np.concatenate([values, np.zeros((n_joints, *values.shape[1:]))]).astype(np.float32)
-            )
-            for name, values in fields.items()
-        }
 
     def joint_fields(self, sample):
         """{name: (n_cells,)} of the joints at a sample, zero in bodies: opening_m,
