@@ -44,9 +44,6 @@ JOINT_COLOURS = {
     "opened": style.ORANGE,
     "both": style.BLACK,
 }
-SLIP_NOTES = {"displacement": "", "accumulated": " (accumulated)", "shear-limit": " (shear limit)"}
-"""{slip criterion: its note in a legend}."""
-# [pt], width of lines of joints that are not cracked
 THIN = {"elastic": 0.4, "intact": 0.25, "broken": 0.5}
 KERN = 1 / 6
 """Largest eccentricity over the length of a section that is pressed all over."""
@@ -79,51 +76,38 @@ ENERGIES = {  # of `energy_groups`: label, colour, line
 
 @style.styled
 def wall_picture(
-    history: History,
-    sample: str | int = "max",
-    slip: str = "displacement",
-    threshold: float = THRESHOLD,
-    magnify: float | None = None,
+    history: History, sample: str | int = "max", magnify: float | None = None
 ) -> Figure:
-    """Figure of the wall in true scale at a sample, with its cracks.
+    """Return a Figure of the wall in true scale at a sample, with its cracks.
 
-    sample: "max" (of the damage index), "end", or an index into the series; slip, threshold [m]:
-    what counts as slipped and opened, see `damage.index`; magnify: factor on displacements and
-    rotations, None for one that makes them visible.
+    sample: "max" (of the damage index), "end", or an index into the series; magnify: factor on
+    displacements and rotations, None for one that makes them visible.
 
     >>> len(wall_picture(history, "max").axes)
     1
     """
-    shape = wall_shape(history, sample, slip, threshold, magnify)
+    shape = wall_shape(history, sample, magnify)
     figure, ax = style.new_figure(1.0)
     return _with_words(
         figure,
         draw_wall(ax, shape),
         history,
         [_moment(shape, sample)],
-        [
-            *joint_handles(shape, slip, threshold),
-            magnified(shape.snapshot_time_s, shape.magnification),
-        ],
+        [*joint_handles(shape), magnified(shape.snapshot_time_s, shape.magnification)],
     )
 
 
 def plot_wall(
-    history: History,
-    ax: Axes,
-    t: str | float = "max",
-    slip: str = "displacement",
-    threshold: float = THRESHOLD,
-    magnify: float | None = None,
+    history: History, ax: Axes, t: str | float = "max", magnify: float | None = None
 ) -> WallShape:
     """Draw the wall with its cracks into axes of a figure of yours, in true scale; returns the
     WallShape that is drawn, of which `joint_handles` makes a legend.
 
-    t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end"; other
-    arguments as of `wall_picture`.  InputError for a time outside the run.
+    t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end";
+    magnify: as of `wall_picture`.  InputError for a time outside the run.
     """
     sample = t if t in ("max", "end") else choose_samples(history, [t])[0]
-    shape = wall_shape(history, sample, slip, threshold, magnify)
+    shape = wall_shape(history, sample, magnify)
     shape = shape.on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
     draw_wall(ax, shape)
     factor = magnified(shape.snapshot_time_s, shape.magnification).get_label()
@@ -342,15 +326,13 @@ def magnified(snapshot: int | None, factor: float | None):
     return style.area_handle("none", words, "none")
 
 
-def joint_handles(
-    shape: WallShape, slip: str = "displacement", threshold: float = THRESHOLD
-) -> list:
-    """Legend entries: states of joints, areas in the picture, widths of lines."""
+def joint_handles(shape: WallShape) -> list:
+    """Return legend entries: states of joints, areas in the picture, widths of lines."""
     labels = {
         "opened": "opened",
-        "slipped": "slipped" + SLIP_NOTES[slip],
+        "slipped": "slipped",
         "both": "opened and slipped",
-        "broken": f"failed, ≤ {threshold / MILLIMETRE:g} mm",
+        "broken": f"failed, ≤ {THRESHOLD / MILLIMETRE:g} mm",
         "intact": "intact",
     }
     labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}

@@ -21,7 +21,6 @@ from damage.history.moments import (
     nearest_snapshot,
     support_motion,
 )
-from damage.index import THRESHOLD
 from damage.units import MILLIMETRE
 from damage.wall import geometry
 
@@ -106,16 +105,15 @@ class WallShape:
         return np.flatnonzero(chosen & ~self.elastic if state == "intact" else chosen)
 
 
-def wall_shape(history, sample="max", slip="displacement", threshold=THRESHOLD, magnify=None):
-    """WallShape of a History at a sample.
+def wall_shape(history, sample="max", magnify=None):
+    """Return the WallShape of a History at a sample.
 
     sample: "max" (of the damage index), "end", or an index into the series;
-    slip: criterion of `damage.index.damage_index`; threshold [m];
     magnify: factor on the motion, None for one that makes it visible.
     """
     check_magnify(magnify)
-    sample, damage = choose_sample(history, sample, slip, threshold)
-    return shape_at(history, sample, damage, slip, threshold, magnify)
+    sample, damage = choose_sample(history, sample)
+    return shape_at(history, sample, damage, magnify)
 
 
 def check_magnify(magnify):
@@ -124,10 +122,8 @@ def check_magnify(magnify):
         raise InputError(f"magnify = {magnify!r}: expected zero or a positive number; correct it")
 
 
-def shape_at(
-    history, sample, damage, slip="displacement", threshold=THRESHOLD, magnify=None, snapshot=None
-):
-    """WallShape at a sample (index), where DI is `damage`; other arguments as of `wall_shape`.
+def shape_at(history, sample, damage, magnify=None, snapshot=None):
+    """Return the WallShape at a sample (index), where DI is `damage`; magnify: as of `wall_shape`.
 
     snapshot: index of the snapshot to show, None for the one nearest to the sample.  In one that
     follows bricks beyond the last sample, joints are left out whose bricks are no longer beside
@@ -165,11 +161,9 @@ def shape_at(
         supports=geometry.support_outlines(supports, SUPPORT_DEPTH, magnify),
         ground_moves=len(supports.left) > 1 or bool(supports.motion.any()),
         segments=segments,
-        state=joint_states(history, sample, slip, threshold),
+        state=joint_states(history, sample),
         elastic=history.joints["elastic"].to_numpy(bool) & ~cuts,
-        crack_width_m=np.hypot(
-            history.opening_m[sample], history.slip_by(slip)[sample], dtype=float
-        ),
+        crack_width_m=np.hypot(history.opening_m[sample], history.offset_m[sample], dtype=float),
     ).on_page()
 
 

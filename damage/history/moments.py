@@ -26,17 +26,15 @@ def check_samples(history: History) -> None:
         )
 
 
-def choose_sample(
-    history: History, sample: str | int, slip: str = "displacement", threshold: float = THRESHOLD
-) -> tuple[int, float]:
-    """Index of a sample ("max", "end" or a number, negative ones from the end) and DI at it.
+def choose_sample(history: History, sample: str | int) -> tuple[int, float]:
+    """Return the index of a sample ("max", "end" or a number) and DI at it.
 
     >>> choose_sample(history, "end")[0]
     20
     """
     check_samples(history)
     n_times = len(history.series)
-    damage = history.index(threshold=threshold, slip=slip)["DI"].to_numpy()
+    damage = history.index()["DI"].to_numpy()
     if sample == "max":
         sample = int(np.argmax(damage))
     elif sample == "end":
@@ -119,21 +117,15 @@ def support_motion(history: History, snapshot: int | None) -> SupportMotion | No
     return SupportMotion(supports["left_m"].to_numpy(), supports["right_m"].to_numpy(), motion)
 
 
-def joint_states(
-    history: History, sample: int, slip: str = "displacement", threshold: float = THRESHOLD
-) -> np.ndarray:
-    """Index into JOINT_STATES of every joint at a sample, (n_joints,), by the criteria of the
-    index.
+def joint_states(history: History, sample: int) -> np.ndarray:
+    """Return the index into JOINT_STATES of every joint at a sample, (n_joints,), by the criteria
+    of the index.
 
     >>> joint_states(history, -1)[:2].tolist()
     [3, 3]
     """
-    opened = history.opening_m[sample] > threshold
-    slipped = (
-        history.at_limit[sample]
-        if slip == "shear-limit"
-        else np.abs(history.slip_by(slip)[sample]) > threshold
-    )
+    opened = history.opening_m[sample] > THRESHOLD
+    slipped = np.abs(history.offset_m[sample]) > THRESHOLD
     return state_codes(opened, slipped, history.broken[sample])
 
 
