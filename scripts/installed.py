@@ -196,8 +196,8 @@ def use(command, folder):
 
     if not do("--version").startswith("masonry-damage "):
         raise Failed("masonry-damage --version does not begin with the name")
-    do("new-wall", "mine.py")
-    do("modes", "mine.py")
+    do("new-wall", "mine.toml")
+    do("modes", "mine.toml")
     do("record", "BGAR_HGE")
     do(
         "reference",

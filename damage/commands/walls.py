@@ -181,9 +181,8 @@ def _check_bits(asked):
 
 
 @command(
-    "write a wall file to change: a copy of a wall that ships, under the name of the file;"
-    " FILE.toml is data and never executed",
-    file_arg("file", "FILE.py|FILE.toml"),
+    "write a wall file to change: a copy of a wall that ships, as data, under the name of the file",
+    file_arg("file", "FILE.toml"),
     arg(
         "--from",
         dest="source",
@@ -191,7 +190,7 @@ def _check_bits(asked):
         default="symmetric",
         help="the wall that is copied (default symmetric); an unknown one lists all",
     ),
-    examples=("my_wall.py", "my_wall.py --from solid"),
+    examples=("my_wall.toml", "my_wall.toml --from solid"),
 )
 def _new_wall(asked):
     from damage.wall.new import new_wall

@@ -2,7 +2,7 @@
 wall.
 
     history = damage.run("symmetric", harmonic=(0.2, 0.05), rest=1)
-    history = damage.run("my_wall.py", "BGAR_HGE", window=(18.7, 22.1), scale=2, out="strong.h5")
+    history = damage.run("my_wall.toml", "BGAR_HGE", window=(18.7, 22.1), scale=2, out="strong.h5")
     pier = damage.Wall("pier", length=0.9, height=0.9)
     history = damage.run(pier, pushover=0.5, boundary="fixed")
 

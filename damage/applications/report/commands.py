@@ -37,7 +37,7 @@ def _demo(asked):
     if status:
         return status
     print(f"report: {write_report([history])}")
-    print("next: python3 -m damage new-wall my_wall.py, and its first lines say how to run it")
+    print("next: python3 -m damage new-wall my_wall.toml, and its first lines say how to run it")
     return 0
 
 
