@@ -135,7 +135,7 @@ def main():
                 wall, joint=replace(wall.joint, **softening_energies(wall.joint.tensile_strength))
             )
         layout = lay_out(wall, SCATTERED.get(label, ModelOptions()))
-        height = layout.pushed_height
+        height = float(layout.bodies.z[layout.pushed_bodies].mean())
         without = None
         for dilatancy, lifts in (
             *((level, True) for level in LEVELS),

@@ -169,7 +169,7 @@ def against_amplitude(results, variant, slip="displacement"):
     put_title(
         figure,
         f"Damage index against amplitude: {variant.title}",
-        panels.SLIP_LABELS[slip],
+        marks.SLIP_LABELS[slip],
         marks.scale_note(axes[:, 0]),
     )
     return marks.finish_components(figure, variant, collapsed, star_handles(printed))

@@ -17,6 +17,7 @@ from damage.draw.words import record_label
 from damage.measure.damage_index import CRITERIA
 from damage.motion.formats import read_record, shipped_record_path
 from damage.motion.intensity import pga_g, response_spectrum
+from damage.motion.loading import Recorded
 from damage.units import GRAVITY
 from paper import marks
 from paper.printed import largest_residual, record_values, star, star_handles
@@ -101,7 +102,15 @@ def _unscaled_motion(results, point):
     sha256 = loading.horizontal["sha256"]
     for path in (*shipped_record_path().parents[1].glob(f"*/{file}"), own / file):
         if path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() == sha256:
-            return loading.unscaled(read_record(path, **loading.horizontal.get("given", {})))
+            record = read_record(path, **loading.horizontal.get("given", {}))
+            prepared = Recorded(
+                record,
+                window_s=loading.window_s,
+                baseline_order=loading.baseline_order,
+                band_hz=loading.band_hz,
+                interpolated_for_s=loading.interpolated_for_s,
+            )
+            return prepared.applied()
     raise Missing(
         f"no record {file} with the bytes that the runs read, neither shipped nor in {own}/"
     )
@@ -132,7 +141,7 @@ def residual_against_pga(variant, slip="displacement"):
     put_title(
         figure,
         f"Residual damage index against PGA: {variant.title}",
-        panels.SLIP_LABELS[slip],
+        marks.SLIP_LABELS[slip],
         _synthetic_note(names),
     )
     printed = [name for name in names if largest_residual(variant, name)[1] is not None]
@@ -176,7 +185,7 @@ def against_drift(variant, slip="displacement"):
     put_title(
         figure,
         f"Damage index against maximum drift: {variant.title}",
-        panels.SLIP_LABELS[slip],
+        marks.SLIP_LABELS[slip],
         _synthetic_note(names),
     )
     handles = _record_handles(variant, names, markers, hollow)

@@ -13,6 +13,11 @@ COMPONENTS = {  # column of the tables: label, colour, marker
     "DI_open": (r"DI$_\mathrm{open}$", ORANGE, "s"),
     "DI_slip": (r"DI$_\mathrm{slip}$", BLUE, "o"),
 }
+SLIP_LABELS = {
+    "displacement": "slipped: offset by more than 0.1 mm",
+    "accumulated": "slipped: accumulated more than 0.1 mm while closed",
+    "shear-limit": "slipped: ever at the shear limit",
+}
 NOTHING = 0.01
 """Least upper limit of the axes of the index."""
 SCALES_APART = 2.0

@@ -200,7 +200,7 @@ def choices(points):
         marks.scale_note(axes, "x"),
     )
     handles = [
-        line_handle(colour, panels.SLIP_LABELS[slip], line="", marker=marker, ms=4)
+        line_handle(colour, marks.SLIP_LABELS[slip], line="", marker=marker, ms=4)
         for colour, marker, slip in _STYLES.values()
     ]
     if fell:

@@ -294,11 +294,10 @@ class Perspective:
         ax.set(aspect="equal")
         ax.axis("off")
 
-    def show(self, sample, snapshot, magnify, azimuth=None):
+    def show(self, sample, snapshot, magnify, azimuth):
         """Draw a sample and snapshot, with displacements by a factor."""
         history = self.space.history
         house = self.space.history.house
-        azimuth = self.azimuth if azimuth is None else azimuth
         eye = Eye(azimuth, self.middle, self.radius)
         on_face = (house.joint_wall >= 0) & (np.abs(house.joint_y_m) > TINY)
         lines, joints = cracks(self.space, sample, snapshot, magnify, on_face)
@@ -337,19 +336,15 @@ class Perspective:
 
 
 @style.styled
-def space_picture(history, sample="max", magnify=None, azimuth=None):
-    """Figure of a house in perspective, deformed and exaggerated, with the cracks of the faces that
-    are seen.
-
-    sample, magnify: as of `elevation_picture`; azimuth: in plan of the eye from x towards y [deg],
-    None for one beside the normal of the first wall.
-    """
-    sample, damage, snapshot = moment_of(history, sample)
+def space_picture(history):
+    """Return a Figure of a house in perspective at its largest index, deformed and exaggerated,
+    with the cracks of the faces that are seen."""
+    sample, damage, snapshot = moment_of(history, "max")
     figure, ax = style.new_figure(1.0)
     seen = Perspective(ax, history, (72 * style.COLUMN_WIDTH,) * 2)
-    magnify = magnification(seen.space, [snapshot]) if magnify is None else magnify
-    seen.show(sample, snapshot, magnify, azimuth)
-    ratio = seen.fit([seen.azimuth if azimuth is None else azimuth])
+    magnify = magnification(seen.space, [snapshot])
+    seen.show(sample, snapshot, magnify, seen.azimuth)
+    ratio = seen.fit([seen.azimuth])
     figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5))
     style.add_title(figure, history, _moment(history, sample, damage))
     handles = [*legend_of(history, sample, seen.widest_pt), run.magnified(snapshot, magnify)]
@@ -396,7 +391,7 @@ def walls_picture(history):
 PICTURES = {
     "elevation_max": partial(elevation_picture, sample="max"),
     "elevation_end": partial(elevation_picture, sample="end"),
-    "space_max": partial(space_picture, sample="max"),
+    "space_max": space_picture,
     "walls": walls_picture,
     "energy": run.energy_picture,
 }

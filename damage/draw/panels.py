@@ -1,16 +1,10 @@
-"""Parts of the figures of studies: grids of panels, headings, legends, the slip criterion in
-words."""
+"""Parts of the figures of studies: grids of panels, headings, legends."""
 
 from matplotlib.figure import Figure
 
 from damage.draw.style import legend_below
 
 PAGE_WIDTH = 190 / 25.4  # [inch], two columns of a journal and the space between
-SLIP_LABELS = {
-    "displacement": "slipped: offset by more than 0.1 mm",
-    "accumulated": "slipped: accumulated more than 0.1 mm while closed",
-    "shear-limit": "slipped: ever at the shear limit",
-}
 
 
 def grid(rows, columns, panel_height, width=PAGE_WIDTH, **options):

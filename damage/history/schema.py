@@ -287,13 +287,6 @@ STATE_COLUMN = Column(
     "model's code",
     "u1",
 )
-OPTIONAL = {
-    "snapshots/out_of_plane",
-    "stresses/joint_stress_pa",
-    *(f"placing/{name}" for name in PLACING),
-    *(f"house/{name}" for name in HOUSE),
-}
-"""Datasets that only some runs have."""
 GROWING = {
     "series": SERIES,
     "active": ACTIVE,

@@ -32,12 +32,11 @@ APPLIED = (
 )
 """Keys of `applied_measures`."""
 
-MOST_END_VELOCITY = 0.2
-"""Velocity at a motion's end, as a share of PGV, above which `describe` notes it; windows of
-studies/stations.csv leave up to 0.27."""
 WARNED_END_VELOCITY = 0.5
-"""Velocity at a motion's end, as a share of PGV, above which a run warns: BLOP_HGE, whose baseline
-steps, leaves 1."""
+"""Velocity at a motion's end, as a share of PGV, above which a run warns of it.
+
+Windows of studies/stations.csv leave up to 0.27; BLOP_HGE, whose baseline steps, leaves 1.
+"""
 
 SLOW_HZ = 0.1
 """Frequency below which a motion is a baseline's or a permanent displacement [Hz]."""
@@ -511,12 +510,6 @@ def describe(values: dict) -> str:
         if name in values
         for period, value in values[name].items()
     ]
-    if abs(values["end_velocity_cm_s"]) > MOST_END_VELOCITY * values["pgv_cm_s"]:
-        lines.append(
-            "note: the base still moves when the motion ends; PGV, Arias intensity and durations"
-            " include what the baseline or the window adds (--baseline ORDER, --band LOW_HZ HIGH_HZ"
-            " and another --window change it)"
-        )
     return "\n".join(lines)
 
 

@@ -437,16 +437,6 @@ class RecordedMotion(Loading):
             " file; read that"
         )
 
-    def unscaled(self, record: Record) -> Record:
-        """The horizontal component as it was prepared, at scale 1, made from its record."""
-        return Recorded(
-            record,
-            window_s=self.window_s,
-            baseline_order=self.baseline_order,
-            band_hz=self.band_hz,
-            interpolated_for_s=self.interpolated_for_s,
-        ).motion[0]
-
     def as_dict(self) -> dict:
         """The table of which `loading_from_dict` makes this again, fit for JSON; a motion whose
         samples were taken as they are says nothing of interpolation, one without another component

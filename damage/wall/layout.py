@@ -317,11 +317,6 @@ class Layout:
         caps = np.flatnonzero(self.bodies.course == CAP_COURSE)
         return caps if len(caps) and top_of(self.wall) is None else self.drift_bodies
 
-    @property
-    def pushed_height(self) -> float:
-        """Height of their centres [m]."""
-        return float(self.bodies.z[self.pushed_bodies].mean())
-
     def push_shares(self, floor_shares: Sequence) -> np.ndarray:
         """Share of a push that each body takes, (n_bodies,) [-]: that of its floor by mass.
 

@@ -119,11 +119,6 @@ class TestRecorded:
         )
         again = loading_from_dict(table)
         assert json.loads(json.dumps(again.as_dict())) == table
-        assert_allclose(
-            2 * again.unscaled(noise()).acceleration_m_s2,
-            driven.applied().acceleration_m_s2,
-            rtol=1e-14,
-        )
         assert table["pga_g"] == driven.peak_g > load.as_dict()["pga_g"]
 
     def test_vertical_gets_the_same_preparation(self):
