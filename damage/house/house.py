@@ -182,7 +182,7 @@ class House:
 
     def __post_init__(self):
         check_fields(self)
-        for name in ("walls", "corners", "floors", "ties"):
+        for name in ("walls", *_PARTS):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.walls:
             raise InputError(f"house {self.name} has no [[walls]]: expected one or more; add them")
@@ -280,7 +280,7 @@ class House:
             ],
             **{
                 name: [vars(one) | {"walls": list(one.walls)} for one in getattr(self, name)]
-                for name in ("corners", "floors", "ties")
+                for name in _PARTS
             },
         }
 
@@ -345,31 +345,27 @@ def _check_floor(house, floor):
     floor.on_walls(walls)
 
 
+_PARTS = {"corners": Corner, "floors": Diaphragm, "ties": Ties}
+"""{key of a file: record} of the parts of a house beside its walls."""
+
+
 def read_house(path):
-    """The House of a TOML file; InputError for anything that makes none."""
+    """Return the House of a TOML file; raise InputError for anything that makes none."""
     path = Path(path)
     table = dict(read_toml(path, "a house as TOML", MOST_MB))
-    walls, corners, floors, ties = (
-        _tables(path, table.pop(name, [])) for name in ("walls", "corners", "floors", "ties")
-    )
-    walls = [_placed(path, number, dict(entry)) for number, entry in enumerate(walls, 1)]
-    corners = [
-        user_record(f"{path}, [[corners]] {number}", Corner, entry)
-        for number, entry in enumerate(corners, 1)
-    ]
+    tables = {name: _tables(path, table.pop(name, [])) for name in ("walls", *_PARTS)}
+    walls = [_placed(path, number, dict(entry)) for number, entry in enumerate(tables["walls"], 1)]
     for roof in _tables(path, [table.pop("roof")] if "roof" in table else []):
         tops = [placed.wall.height for placed in walls if placed.wall.name in roof.get("walls", ())]
-        floors = [*floors, {"level": max(tops, default=1.0)} | roof]
-    floors = [
-        user_record(f"{path}, [[floors]] {number}", Diaphragm, entry)
-        for number, entry in enumerate(floors, 1)
-    ]
-    ties = [
-        user_record(f"{path}, [[ties]] {number}", Ties, entry)
-        for number, entry in enumerate(ties, 1)
-    ]
-    parts = {"walls": walls, "corners": corners, "floors": floors, "ties": ties}
-    return user_record(f"{path}", House, table | parts)
+        tables["floors"] = [*tables["floors"], {"level": max(tops, default=1.0)} | roof]
+    parts = {
+        name: [
+            user_record(f"{path}, [[{name}]] {number}", kind, entry)
+            for number, entry in enumerate(tables[name], 1)
+        ]
+        for name, kind in _PARTS.items()
+    }
+    return user_record(f"{path}", House, table | {"walls": walls} | parts)
 
 
 def _tables(path, given):
