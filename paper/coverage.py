@@ -18,7 +18,7 @@ from damage.applications.cracks.capacity import capacity
 from damage.applications.cracks.pushed import FIGURES, read_test
 from paper.after_peak import tested_wall
 from paper.bench import FIXED, REPOSITORY, Bench, arguments, option, wall_file
-from paper.shear_walls import wall_of
+from paper.shear_walls import read_inputs, strengths, wall_of
 
 DRAWS = range(1, 20)
 PUSH = ["--pushover", 0.3, *FIXED, "--speed", 0.004, "--strength-cov", 0.35]
@@ -29,7 +29,7 @@ TWINS = "COMP2_4", "COMP2_5"
 
 def cases(folder):
     """{wall: (Wall, {test: {of MEASURES: mean over both directions}})}."""
-    inputs = {row.wall: row for row in pd.read_csv(folder / "inputs.csv").itertuples()}
+    inputs = {row.wall: row for row in read_inputs(folder / "inputs.csv")}
     found = {}
     results = pd.read_csv(folder / "results_sw_lw.csv").set_index("wall")
     for name, row in results.iterrows():
@@ -43,7 +43,8 @@ def cases(folder):
             "stiffness_n_per_m": 1e5 * force / (elastic * inputs[name].height_m),
             "ultimate_drift": ultimate / 100,
         }
-        found[name] = wall_of(inputs[name]), {name: test}
+        usual = strengths(inputs[name])[""]
+        found[name] = wall_of(inputs[name], usual), {name: test}
     twins = {name: read_test(name).figures for name in TWINS}
     return found | {TWINS[0]: (tested_wall(TWINS[0]), twins)}
 
