@@ -21,6 +21,7 @@ from damage.applications.cracks import capacity
 from damage.applications.cracks.pushed import FIGURES, SPECIMENS, read_test
 from damage.linear.modes import natural_modes
 from damage.measure.energy import DISSIPATED
+from damage.measure.evidence import hand_capacities
 from damage.measure.summary import summarise
 from damage.wall import layout as layouts
 from damage.wall.file import load_wall
@@ -301,7 +302,7 @@ def push_unseen(bench, name):
     """The words of a push of a wall of which only the table is known."""
     words = push_to(FARTHEST[SLIDES[0]], SPEED[True])
     history = run(bench, name, "prediction", PREDICTION, words)
-    by_hand = capacity.hand_capacities(history)
+    by_hand = hand_capacities(history.masonry_wall, history.loading.boundary)
     if by_hand["rocking"] < min(by_hand["sliding_top"], by_hand["sliding_base"]):
         return push_to(
             f"{100 * BEYOND * toe_drift(tested_wall(SPECIMENS[name])):.3g}", SPEED[False]

@@ -187,7 +187,7 @@ def pushed(bench, row):
         file = wall_file(bench.path(row.wall, rule, ending=".toml"), wall)
         for seed in DRAWS:
             words = [file, *push_of(row, wall), "--strength-seed", seed]
-            runs[f"{row.wall}_{rule}{seed}.h5"] = rule, words
+            runs[f"{row.wall}_{rule}{seed}"] = rule, words
     usual = prepare.lay_out_building
     laid = pockets(usual) if "pocket" in getattr(row, "head_joints", "") else usual
     with patch.object(prepare, "lay_out_building", laid):

@@ -11,7 +11,7 @@ from conftest import run_here, wall_file
 
 from damage import Floor, Joint, Wall
 from damage.applications.report.report import page
-from damage.measure.evidence import describe, evidence_for, outside
+from damage.measure.evidence import describe, evidence_for, hand_capacities, outside
 from damage.measure.tables import summary_row
 from damage.rounded import to_bits
 
@@ -95,6 +95,26 @@ def test_the_strongest_event_of_a_sequence_of_records_counts():
     events = [{"motion": 0, "rest_s": 1.0}, {"motion": 1, "rest_s": 0.5}]
     found = names_outside(loading=RECORD, motions=motions, events=events, sequence=[1.9, -1.6])
     assert found == ["scale of a record", "rest after the motion"]
+
+
+def test_a_pushed_wall_whose_mode_one_joint_decides_is_at_the_border():
+    """A stepped crack by hand between friction and the full bond of a bed joint."""
+    name = "cohesion at which a bed joint slides before steps form"
+    joint = Joint(mode_i_fracture_energy=11.0, mode_ii_fracture_energy=209.0)
+    push = {"loading": {"kind": "pushover", "boundary": "fixed"}}
+
+    def judged(stress, joint=joint):
+        wall = replace(WALL, precompression=stress, joint=joint)
+        return evidence_for(wall, push)[name]
+
+    hand = hand_capacities(replace(WALL, precompression=0.3e6, joint=joint), "fixed")
+    bond = joint.cohesion * WALL.length * WALL.brick.thickness
+    share = 100 * (hand["diagonal"] - hand["sliding_top"]) / bond
+    assert 35 < share < 100
+    assert judged(0.3e6)["inside"] is False and judged(0.3e6)["value"] == pytest.approx(share)
+    assert judged(2e6)["value"] == 0 and judged(2e6)["inside"]
+    assert judged(0.3e6, Joint())["inside"] is None
+    assert evidence_for(WALL, SHAKEN)[name]["inside"] is None
 
 
 def test_what_rounding_of_inputs_adds_to_a_limit_is_inside():

@@ -13,8 +13,6 @@ from damage.history.reader import History
 from damage.index import COMPONENTS, THRESHOLD
 from damage.measure.pushed import SECANT_SHARE, since_the_push
 from damage.motion.loading import EASE_S, TopDisplacement
-from damage.units import GRAVITY
-from damage.wall.kinds import CAP_HEIGHT
 from damage.wall.layout import lay_out
 
 CYCLE_COLUMNS = (
@@ -348,45 +346,6 @@ def _mode(shares):
     if shares["opened_m2"] >= shares["slipped_m2"]:
         return "flexure"
     return "shear, diagonal" if shares["stair_share"] >= STAIR_SHARE else "shear, sliding"
-
-
-def hand_capacities(history: History) -> dict[str, float]:
-    """Analytical lateral capacities of a solid wall, {mode: force [N]}; history: of a pushed wall.
-
-    rocking: rigid rotation about toes half the length of a contact point inside the ends; where the
-    top cannot rotate, about the base and about the joint below the top course.  sliding_top,
-    sliding_base: friction without cohesion below the top course and at the base.  diagonal: stepped
-    crack through bed joints in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t /
-    b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a parabolic shear
-    stress.  Empty for a wall with an outline, floors or restraints.  Raises InputError for another
-    loading.
-    """
-    wall = history.masonry_wall
-    fixed = pushed_loading(history).boundary == "fixed"
-    if wall.outline or wall.floors or wall.restraints:
-        return {}
-    brick = wall.brick
-    joint = wall.joint
-    height = history.attributes["height_m"]
-    area = wall.length * brick.thickness
-    course = brick.density * GRAVITY * area * brick.height
-    above = wall.precompression * area
-    weight = course * height / brick.height
-    arm = wall.length / 2 - brick.length / 8
-    friction = float(np.tan(joint.friction_angle))
-    middle = (above + weight / 2) / area
-    stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
-    rocking = (
-        (2 * above + course + weight) * arm / (height - brick.height)
-        if fixed
-        else (above + weight) * arm / (height + CAP_HEIGHT / 2)
-    )
-    return {
-        "rocking": rocking,
-        "sliding_top": friction * (above + course),
-        "sliding_base": friction * (above + weight),
-        "diagonal": stress * area / 1.5,
-    }
 
 
 def draws_needed(values: np.ndarray) -> int:

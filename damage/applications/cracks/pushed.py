@@ -13,6 +13,7 @@ from damage.applications.cracks import capacity
 from damage.applications.cracks.loops import LOOP, loops_at
 from damage.errors import InputError
 from damage.files import DATA
+from damage.measure.evidence import hand_capacities
 from damage.measure.pushed import first_loading
 
 TESTS = DATA / "eucentre" / "tests.csv"
@@ -209,7 +210,7 @@ def pushed_report(history, to=None, tested_loops=()):
         "ultimate_drift_note": means["ultimate_drift_note"],
         "first_crack_drift": capacity.drift_at_first_crack(history),
         "failure": means["failure"],
-        "by_hand_n": capacity.hand_capacities(history),
+        "by_hand_n": hand_capacities(history.masonry_wall, history.loading.boundary),
         "figures": [
             dict(zip(("figure", "unit", "simulated", "measured"), row))
             for row in figures(history, to)

@@ -21,7 +21,6 @@ from damage.applications.cracks.capacity import (
     draws_needed,
     drift_at_first_crack,
     envelope,
-    hand_capacities,
     mean_force,
     mode_shares,
 )
@@ -34,6 +33,7 @@ from damage.applications.cracks.pushed import (
     pushed_report,
     read_test,
 )
+from damage.measure.evidence import hand_capacities
 
 # [N/m], [N] of an elastic, perfectly plastic wall
 STIFFNESS = 50e6
@@ -228,7 +228,7 @@ def stair(layout):
 
 def test_hand_formulas_of_a_panel(plastic):
     """0.9 x 0.45 m of bricks of 225 x 75 mm under 0.3 MPa, a cantilever."""
-    found = hand_capacities(plastic)
+    found = hand_capacities(plastic.masonry_wall, "cantilever")
     top = 0.3e6 * 0.9 * 0.1025
     weight = 1900 * 9.81 * 0.9 * 0.45 * 0.1025
     assert_allclose(found["rocking"], (top + weight) * (0.45 - 0.028125) / 0.55)
