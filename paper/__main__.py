@@ -31,7 +31,6 @@ PROGRAMS = (
     "results_figures",
     "softening",
     "shear_walls",
-    "split_and_crush",
     "thirty_years",
 )
 """Modules that make tables and figures of documents: python3 -m paper NAME, with their own

@@ -131,8 +131,7 @@ LAWS = {
     "crushing softens": Law(crushes=True),
 }
 ROCKING = ("crushing softens",)
-"""Laws of walls that rock; without crushing, and with plastic crushing:
-paper/split_and_crush.py."""
+"""Laws of walls that rock."""
 PREDICTION = Law(crushes=True, modulus=MODULUS, scatter=SCATTER)
 SEEDS = (1, 2)
 
