@@ -21,7 +21,7 @@ from damage.applications.cracks import capacity
 from damage.applications.cracks.pushed import FIGURES, SPECIMENS, read_test
 from damage.linear.modes import natural_modes
 from damage.measure.energy import DISSIPATED
-from damage.measure.evidence import hand_capacities
+from damage.measure.pushed import hand_capacities
 from damage.measure.summary import summarise
 from damage.wall import layout as layouts
 from damage.wall.file import load_wall

@@ -4,8 +4,9 @@ docs/guides/tested-wall.md, sealed before their results were seen.
     python3 -m paper shear_walls INPUTS.csv [--out DIR] [WALL ...]
 
 INPUTS has a row a wall, with the columns that `wall_of` reads; damage/data/eucentre/tests.csv has
-others, which are renamed.  Medians of pushes of DRAWS; a wall that is run prints its row once all
-of them are there.  A shear span that no boundary gives leaves all but the hand formulas empty.
+others, which are renamed.  Medians of pushes of DRAWS; the table in DIR grows by each wall that is
+done, at some 100 s of one core.  A shear span that no boundary gives leaves all but the hand
+formulas empty.
 """
 
 import re
@@ -181,37 +182,38 @@ def pockets(lay_out):
 
 def pushed(bench, row):
     """{name of a rule: histories of its draws}."""
-    runs = {}
+    runs = {rule: {} for rule in strengths(row)}
     for rule, strength in strengths(row).items():
         wall = wall_of(row, strength)
         file = wall_file(bench.path(row.wall, rule, ending=".toml"), wall)
         for seed in DRAWS:
             words = [file, *push_of(row, wall), "--strength-seed", seed]
-            runs[f"{row.wall}_{rule}{seed}"] = rule, words
+            runs[rule][f"{row.wall}_{rule}{seed}"] = words
     usual = prepare.lay_out_building
     laid = pockets(usual) if "pocket" in getattr(row, "head_joints", "") else usual
+    together = {name: words for draws in runs.values() for name, words in draws.items()}
     with patch.object(prepare, "lay_out_building", laid):
-        histories = bench.together({name: words for name, (_, words) in runs.items()})
-    return {
-        rule: [histories[name] for name, (of, _) in runs.items() if of == rule]
-        for rule in strengths(row)
-    }
+        histories = bench.together(together)
+    return {rule: [histories[name] for name in draws] for rule, draws in runs.items()}
 
 
 def predicted(bench, row):
     """One wall's row of the table."""
-    made = {"wall": row.wall}
     if row.h0_over_h not in BOUNDARIES:
-        return made | by_hand(row)
+        return {"wall": row.wall} | by_hand(row)
     histories = pushed(bench, row)
-    found = {rule: [capacity(one) for one in several] for rule, several in histories.items()}
-    for rule, several in found.items():
-        made[f"peak_{rule}kn"] = median(one["peak_force_n"] for one in several) / 1e3
-    drifts = [one["ultimate_drift"] if one["ended"] else np.nan for one in found[""]]
-    stiffness = [first_loading(one)["secant_stiffness_n_per_m"] for one in histories[""]]
-    return made | {
+    capacities = {rule: [capacity(draw) for draw in draws] for rule, draws in histories.items()}
+    usual = capacities[""]
+    drifts = [draw["ultimate_drift"] if draw["ended"] else np.nan for draw in usual]
+    stiffness = [first_loading(draw)["secant_stiffness_n_per_m"] for draw in histories[""]]
+    return {
+        "wall": row.wall,
+        **{
+            f"peak_{rule}kn": median(draw["peak_force_n"] for draw in draws) / 1e3
+            for rule, draws in capacities.items()
+        },
         "ultimate_drift_pct": 100 * np.mean(drifts),
-        "mode": mode(one["failure"]["mode"] for one in found[""]),
+        "mode": mode(draw["failure"]["mode"] for draw in usual),
         "secant_stiffness_kn_per_mm": median(stiffness) / 1e6,
         **by_hand(row),
     }

@@ -12,8 +12,8 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 from damage.measure.energy import ENERGY_ERROR
-from damage.units import GRAVITY, MILLIMETRE
-from damage.wall.kinds import CAP_HEIGHT
+from damage.measure.pushed import hand_capacities
+from damage.units import MILLIMETRE
 
 PLACE = "docs/model/validity.md"
 PERCENT = 0.01
@@ -127,44 +127,6 @@ def _largest(kind, name, factor=True):
         return max(peaks, default=None)
 
     return value
-
-
-def hand_capacities(wall, boundary):
-    """Analytical lateral capacities of a solid wall whose top is pushed, {mode: force [N]}.
-
-    rocking: rigid rotation about toes half the length of a contact point inside the ends; where the
-    top cannot rotate, about the base and about the joint below the top course.  sliding_top,
-    sliding_base: friction without cohesion below the top course and at the base.  diagonal: stepped
-    crack through bed joints in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t /
-    b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a parabolic shear
-    stress in brittle joints, and where joints soften the height of the wall over its length, from 1
-    to 1.5 (Turnšek and Sheppard 1980).  Empty for a wall with an outline, floors or restraints.
-    """
-    if wall.outline or wall.floors or wall.restraints:
-        return {}
-    brick = wall.brick
-    joint = wall.joint
-    height = wall.built_height
-    area = wall.length * brick.thickness
-    course = brick.density * GRAVITY * area * brick.height
-    above = wall.precompression * area
-    weight = course * height / brick.height
-    arm = wall.length / 2 - brick.length / 8
-    friction = math.tan(joint.friction_angle)
-    middle = (above + weight / 2) / area
-    stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
-    rocking = (
-        (2 * above + course + weight) * arm / (height - brick.height)
-        if boundary == "fixed"
-        else (above + weight) * arm / (height + CAP_HEIGHT / 2)
-    )
-    unevenness = min(max(height / wall.length, 1.0), 1.5) if joint.softens else 1.5
-    return {
-        "rocking": rocking,
-        "sliding_top": friction * (above + course),
-        "sliding_base": friction * (above + weight),
-        "diagonal": stress * area / unevenness,
-    }
 
 
 def _deciding_cohesion(run):

@@ -1,12 +1,17 @@
-"""Measures of the force on a wall: peak of any run, first loading of a pushed wall.
+"""Measures of the force on a wall: peak of any run, first loading of a pushed wall, forces by hand.
 
 Force is the base shear and displacement that of the top course, as measured in a laboratory.
 """
+
+import math
 
 import numpy as np
 
 from damage.history.reader import History
 from damage.history.schema import Column, measure
+from damage.units import GRAVITY
+from damage.wall.kinds import CAP_HEIGHT
+from damage.wall.parameters import Wall
 
 INITIAL_SHARE = 0.15
 """Share of the peak force at which the initial stiffness is taken, on first loading [-]."""
@@ -103,3 +108,41 @@ def _wave(history, force, peak):
         return None
     line = np.polynomial.Polynomial.fit(time_s[before], force[before], 1)
     return float(np.sqrt(2) * np.std(force[before] - line(time_s[before])))
+
+
+def hand_capacities(wall: Wall, boundary: str) -> dict[str, float]:
+    """Analytical lateral capacities of a solid wall whose top is pushed, {mode: force [N]}.
+
+    rocking: rigid rotation about toes half the length of a contact point inside the ends; where the
+    top cannot rotate, about the base and about the joint below the top course.  sliding_top,
+    sliding_base: friction without cohesion below the top course and at the base.  diagonal: stepped
+    crack through bed joints in the middle of the wall (Mann and Müller 1982), (c + mu sigma) L t /
+    b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a parabolic shear
+    stress in brittle joints, and where joints soften the height of the wall over its length, from 1
+    to 1.5 (Turnšek and Sheppard 1980).  Empty for a wall with an outline, floors or restraints.
+    """
+    if wall.outline or wall.floors or wall.restraints:
+        return {}
+    brick = wall.brick
+    joint = wall.joint
+    height = wall.built_height
+    area = wall.length * brick.thickness
+    course = brick.density * GRAVITY * area * brick.height
+    above = wall.precompression * area
+    weight = course * height / brick.height
+    arm = wall.length / 2 - brick.length / 8
+    friction = math.tan(joint.friction_angle)
+    middle = (above + weight / 2) / area
+    stress = (joint.cohesion + friction * middle) / (1 + 2 * friction * brick.height / brick.length)
+    rocking = (
+        (2 * above + course + weight) * arm / (height - brick.height)
+        if boundary == "fixed"
+        else (above + weight) * arm / (height + CAP_HEIGHT / 2)
+    )
+    unevenness = min(max(height / wall.length, 1.0), 1.5) if joint.softens else 1.5
+    return {
+        "rocking": rocking,
+        "sliding_top": friction * (above + course),
+        "sliding_base": friction * (above + weight),
+        "diagonal": stress * area / unevenness,
+    }

@@ -11,7 +11,8 @@ from conftest import run_here, wall_file
 
 from damage import Floor, Joint, Wall
 from damage.applications.report.report import page
-from damage.measure.evidence import describe, evidence_for, hand_capacities, outside
+from damage.measure.evidence import describe, evidence_for, outside
+from damage.measure.pushed import hand_capacities
 from damage.measure.tables import summary_row
 from damage.rounded import to_bits
 

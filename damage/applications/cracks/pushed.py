@@ -13,8 +13,7 @@ from damage.applications.cracks import capacity
 from damage.applications.cracks.loops import LOOP, loops_at
 from damage.errors import InputError
 from damage.files import DATA
-from damage.measure.evidence import hand_capacities
-from damage.measure.pushed import first_loading
+from damage.measure.pushed import first_loading, hand_capacities
 
 TESTS = DATA / "eucentre" / "tests.csv"
 SPECIMENS = {

@@ -33,7 +33,7 @@ from damage.applications.cracks.pushed import (
     pushed_report,
     read_test,
 )
-from damage.measure.evidence import hand_capacities
+from damage.measure.pushed import hand_capacities
 
 # [N/m], [N] of an elastic, perfectly plastic wall
 STIFFNESS = 50e6
