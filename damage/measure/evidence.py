@@ -315,8 +315,8 @@ QUANTITIES = (
         name="cohesion at which a bed joint slides before steps form",
         supported="{range}, which one joint in 200 falls short of by the scatter of 40 % of single "
         "specimens",
-        evidence="[tested walls](../validation/after-the-peak.md#two-equal-walls) at 0 to 9 % crack "
-        "in steps",
+        evidence="[tested walls](../validation/after-the-peak.md#two-equal-walls) at 0 to 9 % "
+        "crack in steps",
         beyond="at the border: of two equal walls at 58 % one cracked in steps, one slid. No test "
         "gives the cohesion of one bed joint, so that neither mode nor ultimate drift is predicted",
         value=_deciding_cohesion,
