@@ -43,12 +43,12 @@ DRAWS = 1, 2
 BOUNDARIES = {0.5: "fixed", 1.0: "cantilever"}
 """Shear span over height, and the boundary that gives it."""
 FRICTION = 0.42
-"""Where it was not tested: that of EUCENTRE's joints of calcium silicate."""
+"""Coefficient where none was tested: that of EUCENTRE's joints of calcium silicate."""
 POCKET = 0.4
 """Share of a head joint that a mortar pocket fills, at least (EN 1996-1-1, 8.1.5)."""
 CRACKED = 0.5
-"""Of the modulus (EN 1998-1, 4.3.1), which is 1000 f_k where it was not tested (EN 1996-1-1,
-3.7.2), with f_k = f_c / 1.2 (EN 1052-1)."""
+"""Share of the modulus that cracked walls have (EN 1998-1, 4.3.1); it is 1000 f_k where it was not
+tested (EN 1996-1-1, 3.7.2), with f_k = f_c / 1.2 (EN 1052-1)."""
 SLIDES = ["--pushover", 0.3, "--speed", 0.004]
 BEYOND = 1.4
 """How far a wall that rocks is pushed, in drifts at which a crushed toe carries no load."""
