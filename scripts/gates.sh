@@ -36,7 +36,7 @@ quiet_pytest() { "$PYTHON" -m pytest -qq --no-header --tb=short -p no:cacheprovi
 
 imports() { quiet_pytest "${@:-tests/core/test_architecture.py}"; }
 
-doctests() { quiet_pytest -p tests.examples --doctest-modules "${@:-damage}"; }
+doctests() { quiet_pytest -p tests.example_histories --doctest-modules "${@:-damage}"; }
 
 terms() { "$PYTHON" scripts/terms.py "$@"; }
 

@@ -1,5 +1,5 @@
 """What examples in docstrings have: `history` of a small wall with two open joints, and `pushed` of
-one that is pushed, both made by hand; a plugin of pytest, `-p tests.examples`."""
+one that is pushed, both made by hand; a plugin of pytest, `-p tests.example_histories`."""
 
 import numpy as np
 import pytest
