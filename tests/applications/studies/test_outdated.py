@@ -60,15 +60,15 @@ class Folder:
         (self.out / "runs").mkdir(parents=True)
         (self.out / "tables").mkdir()
         (run,) = self.load().runs
-        history = make_history(self.out / "runs" / f"{run.first}.h5", broken=broken)
-        for name in (f"{run.first}_index.csv", "summary.csv"):
+        history = make_history(self.out / "runs" / f"{run.name(1)}.h5", broken=broken)
+        for name in (f"{run.name(1)}_index.csv", "summary.csv"):
             (self.out / "tables" / name).touch()
-        record = record_of(history, run.first, "p")
+        record = record_of(history, run.name(1), "p")
         record["row"] |= {"model_digest": model_digest(CODE["reference"])} | row
         results = Results(self.out)
         verdict = results.judge([run])
         [(key, _)] = verdict.inputs.values()
-        results.records.runs[run.first] = {"inputs": key} | json.loads(json.dumps(record))
+        results.records.runs[run.name(1)] = {"inputs": key} | json.loads(json.dumps(record))
         results.records.orderly = False
         results.write(verdict)
         assert self.judge().changed == {}
@@ -323,10 +323,10 @@ class TestVersions:
         assert there.settle() == [] and read_records(there.out).runs == {}
         shutil.rmtree(there.out)
         there.make(measures_digest="of before")
-        (there.out / "runs" / f"{run.first}.h5").unlink()
+        (there.out / "runs" / f"{run.name(1)}.h5").unlink()
         message = (
-            f"the index or measures of 1 runs are .*: {run.first}; expected one definition .* give"
-            " --remake"
+            f"the index or measures of 1 runs are .*: {run.name(1)}; expected one definition .*"
+            " give --remake"
         )
         refused_with(message, there.settle)
         refused_with("run the study again", summary_of, there.load(), there.out)
@@ -340,8 +340,8 @@ class TestVersions:
         assert (
             kept == "1 runs were made by another version of the model (reference of before) and are"
             " kept; "
-            f"--remake makes them again: {run.first}"
+            f"--remake makes them again: {run.name(1)}"
         )
-        assert list(read_records(there.out).runs) == [run.first]
+        assert list(read_records(there.out).runs) == [run.name(1)]
         (again,) = there.settle(remake=True)
         assert "are made again" in again and not list((there.out / "runs").iterdir())
