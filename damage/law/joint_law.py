@@ -45,7 +45,6 @@ from numba.extending import register_jitable
 
 from damage.elementary import exp, tan
 from damage.rounded import to_bits
-from damage.wall.parameters import Joint
 from damage.wall.split import PEAK
 
 INTACT = 0
@@ -70,7 +69,7 @@ class Material(NamedTuple):
     friction: float
 
 
-def material_of(joint: Joint) -> Material:
+def material_of(joint) -> Material:
     """The Material of a damage.wall.parameters.Joint.
 
     >>> round(material_of(Joint()).friction, 4)
