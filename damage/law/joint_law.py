@@ -72,8 +72,9 @@ class Material(NamedTuple):
 def material_of(joint) -> Material:
     """The Material of a damage.wall.parameters.Joint.
 
-    >>> round(material_of(Joint()).friction, 4)
-    0.6249
+    >>> from types import SimpleNamespace
+    >>> round(material_of(SimpleNamespace(friction_angle=0.5)).friction, 4)
+    0.5463
     """
     return Material(float(to_bits(tan(joint.friction_angle))))
 
