@@ -1,12 +1,17 @@
-"""How walls of a house lie in plan: which lie on each other, which stand alone, and the origin
-that closes a corner that two of them miss."""
+"""How walls of a house lie in plan: which lie on each other, which stand alone, and what closes a
+corner that two of them miss."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from damage.errors import InputError
+from damage.house.house import KINDS_OF_CORNERS
 from damage.wall.kinds import TINY
+
+SIZES = {"mm": 1e-3, "cm": 1e-2}
+"""Units [m] in which a building model may have origins."""
 
 
 def check_plan(house):
@@ -18,7 +23,7 @@ def check_plan(house):
         turn = (other.direction - placed.direction) % 180
         distance = _distance(placed, other)
         if abs(placed.axes[0] @ other.axes[0]) < TINY:
-            fault = kind and _missed(placed, other, kind)
+            fault = kind and _missed(house, placed, other, kind)
         elif kind:
             fault = (
                 f"meet at {turn:.6g} degrees, another than a right angle: expected 90 at a corner;"
@@ -47,18 +52,42 @@ def warn_of_lone_walls(building):
     ]
 
 
-def _missed(one, other, kind):
-    """Say by how much two Placed walls miss their corner of this kind, and the origin of the second
-    that closes it; None where they meet."""
+def _missed(house, one, other, kind):
+    """Say by how much two Placed walls of a House miss their corner of this kind, and which single
+    change closes most of its corners; None where they meet."""
     way = _way_to(one, other, kind)
-    gap = np.linalg.norm(way)
-    if gap < TINY:
+    if np.linalg.norm(way) < TINY:
         return None
-    x, y = np.round(other.origin + way, 9) + 0.0
-    return (
-        f"miss by {gap:.4g} m: expected a {kind} corner; origin = [{x:.9g}, {y:.9g}] of"
-        f" {other.wall.name} closes it, where its direction, the kind of the corner and origins in"
-        " m are right"
+    walls = {placed.wall.name: placed for placed in house.walls}
+    kinds = {corner.walls: corner.kind for corner in house.corners}
+    pair = next(names for names in kinds if set(names) == {one.wall.name, other.wall.name})
+    other_kind = KINDS_OF_CORNERS[kind == KINDS_OF_CORNERS[0]]
+    changes = {f'kind = "{other_kind}"': (walls, kinds | {pair: other_kind})}
+    for placed, step in ((other, way), (one, -way)):
+        name = placed.wall.name
+        turned = replace(placed, direction=(placed.direction + 180) % 360)
+        moved = replace(placed, origin=placed.origin + step)
+        x, y = np.round(moved.origin, 9) + 0.0
+        changes[f"direction = {turned.direction:g} of {name}"] = walls | {name: turned}, kinds
+        changes[f"origin = [{x:.9g}, {y:.9g}] of {name}"] = walls | {name: moved}, kinds
+    for unit, size in SIZES.items():
+        scaled = {
+            name: replace(placed, origin=size * np.array(placed.origin))
+            for name, placed in walls.items()
+        }
+        changes[f"origins in m, as all are in {unit},"] = scaled, kinds
+    open_corners = {text: _open_corners(*change) for text, change in changes.items()}
+    least = min(open_corners.values())
+    best = " or ".join(text for text, number in open_corners.items() if number == least)
+    gap = np.linalg.norm(way)
+    return f"miss by {gap:.4g} m: expected a {kind} corner; {best} closes it"
+
+
+def _open_corners(walls, kinds):
+    """Count the corners {names: kind} that walls {name: Placed} miss."""
+    return sum(
+        float(np.linalg.norm(_way_to(walls[placed], walls[other], kind))) > TINY
+        for (placed, other), kind in kinds.items()
     )
 
 
@@ -77,8 +106,8 @@ def _way_to(one, other, kind):
         else:
             ways.append((np.clip(end[0], 0.0, length) - end[0], inward - end[1]))
     if kind == "butted":  # an end of the first at a face of the second
-        up = np.clip(0.0, -ends[:, 1].max(), -ends[:, 1].min())
-        ways += [(x - ends[0, 0], up) for x in (-half, length + half)]
+        across = np.clip(0.0, -ends[:, 1].max(), -ends[:, 1].min())
+        ways += [(x - ends[0, 0], across) for x in (-half, length + half)]
     return min(ways, key=np.linalg.norm) @ axes
 
 

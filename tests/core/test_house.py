@@ -97,13 +97,12 @@ def _floor(level, one, other, kind="timber"):
         (
             "direction = 90",
             "direction = -90",
-            "miss by 0.2 m: expected a toothed corner; origin = [0.1, 0.1] of left closes it, where"
-            " its direction",
+            "miss by 0.2 m: expected a toothed corner; direction = 90 of left closes it",
         ),
         ("[0, 1.8]", "[1e4, 0]", "these are no metres, or of two plans"),
         ('"side.toml"\nname', '"front.toml"\nname', "expected a half brick of one in the place"),
         ('["front", "left"]', '["front", "lift"]', "expected two of its walls, front, left"),
-        ('"toothed"', '"butted"', "closes it, where its direction, the kind of the corner"),
+        ('"toothed"', '"butted"', 'expected a butted corner; kind = "toothed" closes it'),
         ("direction = 90", "direction = 80", "another than a right angle: expected 90"),
         ('name = "right"', 'name = "left"', "two walls named left"),
         ('name = "box"', 'name = "box"\nroofs = 1', "has the key roofs: expected one of name"),
@@ -137,7 +136,7 @@ def test_origins_of_a_map_or_in_another_unit_are_named():
         _moved, house, lambda origin: origin + corner
     )
     large = _moved(house, lambda origin: 100 * origin)
-    assert "and origins in m are right" in one_line_error(lay_out_house, large)
+    assert "origins in m, as all are in cm, closes it" in one_line_error(lay_out_house, large)
 
 
 def test_walls_may_be_given_clockwise():
