@@ -74,7 +74,8 @@ def read_inputs(path):
         "sigma0_MPa": "precompression_mpa",
     }
     table = table.rename(columns=names)
-    table["masonry_modulus_tested_gpa"] = 9.8  # half of it is that of EUCENTRE's walls
+    # Half of it is taken, for all walls, as in docs/validation/after-the-peak.md.
+    table["masonry_modulus_tested_gpa"] = 9.8
     table["unit_length_m"] = table["lb_mm"] / 1e3
     table["unit_type"] = np.where(table["Unit type"] == "SB-CS", "calcium silicate", "solid clay")
     return list(table.itertuples())

@@ -68,17 +68,6 @@ def softened(wall, case):
     return replace(wall, joint=replace(wall.joint, **energies))
 
 
-def peak_and_fall(history):
-    """|base shear| [N] and |drift ratio| (n,) of a push, the sample of the peak, and the drift at
-    which 80 % of it is left, in words [%]."""
-    force, drift = (
-        history.series[column].abs().to_numpy() for column in ("base_shear_n", "drift_ratio")
-    )
-    peak = int(np.argmax(force))
-    below = np.flatnonzero((np.arange(len(force)) > peak) & (force < 0.8 * force[peak]))
-    return force, drift, peak, f"{100 * drift[below[0]]:.3f}" if len(below) else "-"
-
-
 def numbers(history):
     """DI, drift [%], length of joints that travel more than 0.1 mm [m], energy error [%], as
     text."""

@@ -30,8 +30,8 @@ WINDOW_S = 0.5
 LONGEST_S = 60.0
 GROWING = 4
 """Number of windows in a row, each with no less displacement than the one before, after which the
-wall runs away: just above its multiplier a wall of many blocks collapses slowly, held back by the
-damping of its rattling."""
+wall runs away: just above its multiplier a wall of many blocks collapses slowly, as the damping of
+its rattling slows it."""
 
 # parts of the multiplier that `falls_of` begins at
 LOADED = 0.98

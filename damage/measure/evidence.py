@@ -130,8 +130,9 @@ def _largest(kind, name, factor=True):
 
 
 def _deciding_cohesion(run):
-    """Share of its cohesion below which the top bed joint slides before a stepped crack forms; 0
-    where friction alone resists that crack or the wall rocks first, and where no cohesion does."""
+    """Share of its cohesion [-] below which the top bed joint slides before a stepped crack forms
+    or the wall rocks; 0 where it never slides first, or always does; None of walls without forces
+    by hand."""
     hand = hand_capacities(run.wall, run.boundary) if run.boundary and run.joint.softens else {}
     if not hand:
         return None

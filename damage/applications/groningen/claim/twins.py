@@ -180,7 +180,6 @@ def _made_by(folder, rows):
         if name.endswith("digest") and len(versions) > 1:
             raise InputError(
                 f"{folder}: draws of {len(versions)} versions, {name} {', '.join(versions)}:"
-                " expected one on a"
-                " sheet; make the claim again with --remake"
+                " expected one on a sheet; make the claim again with --remake"
             )
     return {name: ", ".join(versions) for name, versions in values.items()}
