@@ -29,6 +29,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.applications.studies.new_record import CONFIDENCE, new_record
+from damage.applications.studies.ordered import crossings
 from damage.applications.studies.plan import unfinished
 from damage.applications.studies.read import check_names, read_table
 from damage.applications.studies.states import (
@@ -570,6 +571,7 @@ def in_words(fits):
             )
             notes += fit.notes()
         notes += filter(None, [few_note(one.n_records)])
+        notes += crossings(ones)
     return "\n".join(lines + notes)
 
 

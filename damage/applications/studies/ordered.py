@@ -1,5 +1,5 @@
-"""Curves of the states of one measure, the graver of which implies the milder: a fit with one
-dispersion for all.
+"""Curves of the states of one measure, the graver of which implies the milder: where they cross,
+and a fit with one dispersion for all.
 
 Each curve by itself (`damage.applications.studies.fragility`) has its own dispersion, and two of
 different dispersions cross: beyond that intensity the graver state is the likelier, and the
@@ -15,6 +15,8 @@ from dataclasses import replace
 import numpy as np
 import scipy  # optimize where it is used: it starts slowly
 from scipy.special import ndtr
+
+from damage.applications.studies.states import unit_of
 
 _LEAST_GAP = 1e-5
 _MOST_GAP = 1e2
@@ -47,6 +49,24 @@ def with_one_dispersion(fits):
     return [joined.get(id(fit), fit) for fit in fits]
 
 
+def crossings(fits):
+    """Lines on curves of a list of Fragility that cross within the intensities that were run, with
+    the fit of one dispersion beside them."""
+    joined = {fit.state: fit for fit in with_one_dispersion(fits)}
+    lines = []
+    for curves in _by_measure(fits):
+        for milder, graver in zip(curves, curves[1:]):
+            if where := _likelier(milder, graver):
+                first, second = (joined[fit.state] for fit in (milder, graver))
+                lines.append(
+                    f"{graver.state} is likelier than {milder.state}, which it implies, {where}:"
+                    " their dispersions differ; fitted with one for both, as in NRML, it is"
+                    f" {first.dispersion:.2f}, and the medians are {first.median:#.3g}"
+                    f" ({milder.state}) and {second.median:#.3g}"
+                )
+    return lines
+
+
 def _by_measure(fits):
     """Lists of the Fragility of each measure that have a curve or a step, by ascending level."""
     curves = sorted((fit for fit in fits if np.isfinite(fit.median)), key=lambda fit: fit.level)
@@ -54,6 +74,27 @@ def _by_measure(fits):
         [fit for fit in curves if fit.measure == measure]
         for measure in dict.fromkeys(fit.measure for fit in curves)
     ]
+
+
+def _likelier(milder, graver):
+    """Where within the intensities that were run a graver state is likelier than a milder one, in
+    words; None where nowhere, and of a step, whose dispersion is not known.
+
+    Two curves cross once, at equal (ln x - ln median) / dispersion.
+    """
+    narrower = milder.dispersion - graver.dispersion
+    if narrower == 0 or milder.step or graver.step:
+        return None
+    crossing = (
+        milder.dispersion * np.log(graver.median) - graver.dispersion * np.log(milder.median)
+    ) / narrower
+    intensities = np.log(np.asarray(graver.stripes[0]))
+    words = f"{np.exp(crossing):#.2g} {unit_of(graver.intensity)[1]}"
+    if narrower > 0 and crossing < intensities.max():
+        return f"from {words} on"
+    if narrower < 0 and crossing > intensities.min():
+        return f"up to {words}"
+    return None
 
 
 def _ordinal_probit(curves):

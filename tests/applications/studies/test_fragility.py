@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from conftest import refused_with
 from numpy.testing import assert_allclose
+from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 from scipy.stats import binom
 from scipy.stats import t as student
@@ -474,6 +475,19 @@ GRADES = State("max_psi", 1.0, "slight"), State("max_psi", 2.0, "moderate")
 
 
 class TestStatesOfOneMeasure:
+    def test_a_crossing_is_named_with_its_intensity(self):
+        """That at which both curves have the same probability."""
+        fits = fit_all(graded(SLIGHT, MODERATE), "pga_g", 0, GRADES)["w"]
+        slight, moderate = fits
+        crossing = brentq(lambda x: slight.probability(x) - moderate.probability(x), 0.6, 0.8)
+        printed = in_words({"w": fits})
+        assert (
+            f"moderate is likelier than slight, which it implies, from {crossing:.2f} g" in printed
+        )
+        assert "it is 0.72, and the medians are 0.340 (slight) and 0.484" in printed
+        apart = fit_all(graded(SLIGHT, np.array(SLIGHT) // 2), "pga_g", 0, GRADES)
+        assert "likelier" not in in_words(apart)
+
     def test_one_dispersion_is_the_ordinal_probit_of_statsmodels(self):
         """Version 0.15.0 of statsmodels, grades 0, 1, 2 over ln x:
 
