@@ -60,7 +60,8 @@ class Range(NamedTuple):
 
 def plausible(least, most, unit, why, zero=False, others=None):
     """A Range with the units that are usual beside its own."""
-    return Range(least, most, unit, _OTHERS.get(unit, {}) if others is None else others, why, zero)
+    others = _OTHERS.get(unit, {}) if others is None else others
+    return Range(least, most, unit, others=others, why=why, zero=zero)
 
 
 def quantity(

@@ -226,11 +226,11 @@ class Bonds:
         opening = np.maximum(bonds.opening, 0.0) * (1 - bonds.stiffness / tables.laws[rows, 0])
         self._tracker.softens(
             rows,
-            float(total(area * bonds.fracture)),
-            float(total(area * bonds.friction)),
-            opening,
-            tables.states[rows, SLIP],
-            tables.slid[rows],
+            fracture=float(total(area * bonds.fracture)),
+            friction=float(total(area * bonds.friction)),
+            opening=opening,
+            slip=tables.states[rows, SLIP],
+            slid=tables.slid[rows],
         )
 
     def _turn(self, joint, closed):

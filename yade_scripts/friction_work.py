@@ -71,7 +71,8 @@ class FrictionWork:
     def renew(self, joint, contact):
         """Add or update an interaction with its present state, stiffness and shear force."""
         phys = contact.phys
-        self._watch(joint, contact.geom, phys, phys.shearForce + _ZERO, True, 0.5 / phys.ks)
+        force = phys.shearForce + _ZERO
+        self._watch(joint, contact.geom, phys, force, closed=True, half_compliance=0.5 / phys.ks)
 
     def _watch(self, joint, geom, phys, before, closed, half_compliance):
         """Add or update a contact with this shear force in the last step; other arguments as of

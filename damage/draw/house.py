@@ -259,7 +259,7 @@ def elevation_picture(history, sample="max", magnify=None):
             lines = [np.concatenate(both) for both in zip(lines, more)]
             drawn = ax.add_collection(PolyCollection([]))
             shown = eye.in_band(space.boxes)
-            draw(drawn, history, eye, corners, lines, widest_pt, shown)
+            draw(drawn, history, eye, corners, lines, widest_pt=widest_pt, shown=shown)
             run.show_all(ax, eye.project(corners[history.house.body_wall == number]))
             if sign > 0:
                 ax.invert_xaxis()
@@ -306,7 +306,7 @@ class Perspective:
         seen = eye.sees(lines[0].mean(axis=1), normals)
         lines = [values[seen] for values in lines]
         corners = self.space.corners(snapshot, magnify)
-        draw(self.drawn, history, eye, corners, lines, self.widest_pt)
+        draw(self.drawn, history, eye, corners, lines, widest_pt=self.widest_pt)
         ground = self._around(0.12) * [1.0, 1.0, 0.0]
         self.ground.set_verts([eye.project(ground[[0, 1, 3, 2]])])
 

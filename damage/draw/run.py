@@ -105,6 +105,12 @@ def plot_wall(
 
     t: time [s], of which the nearest sample is drawn; "max" (of the damage index) or "end";
     magnify: as of `wall_picture`.  InputError for a time outside the run.
+
+    >>> axes = Figure().add_subplot()
+    >>> shape = plot_wall(history, axes, t=0.1)
+    >>> _ = axes.legend(handles=joint_handles(shape))
+    >>> axes.get_title().splitlines()[0]
+    'DI 0.073 at 0.100 s'
     """
     sample = t if t in ("max", "end") else choose_samples(history, [t])[0]
     shape = wall_shape(history, sample, magnify)
@@ -192,6 +198,12 @@ def contact_force_picture(history: History, moment: str | float = "max") -> Figu
     their sections.
 
     InputError where the run kept no stresses.
+
+    >>> from dataclasses import replace
+    >>> stress_pa = np.full((*history.opening_m.shape, 2), -1e5)
+    >>> figure = contact_force_picture(replace(history, joint_stress_pa=stress_pa), "end")
+    >>> figure.axes[0].get_xlabel()
+    'x [m]'
     """
     (sample,) = choose_samples(history, [moment])
     bodies = history.bodies
@@ -327,7 +339,12 @@ def magnified(snapshot: int | None, factor: float | None):
 
 
 def joint_handles(shape: WallShape) -> list:
-    """Return legend entries: states of joints, areas in the picture, widths of lines."""
+    """Return legend entries: states of joints, areas in the picture, widths of lines.
+
+    >>> shape = plot_wall(history, Figure().add_subplot())
+    >>> [handle.get_label() for handle in joint_handles(shape)][:3]
+    ['opened', 'slipped', 'opened and slipped']
+    """
     labels = {
         "opened": "opened",
         "slipped": "slipped",
@@ -652,7 +669,11 @@ def has_sequence(history: History) -> bool:
 @style.styled
 def sequence_picture(history: History) -> Figure:
     """Figure over time: base acceleration; below, a step an event: Psi and DI, largest and
-    residual; largest offset of the joints at rest; newly failed contact points."""
+    residual; largest offset of the joints at rest; newly failed contact points.
+
+    >>> [axes.get_ylabel() for axes in sequence_picture(history).axes][2:]
+    ['DI [-]', 'offset [mm]', 'contact points']
+    """
     table = shocks_table(history)
     series = history.series
     figure, (base, psi, index, offset, failed) = style.new_figure(
@@ -667,7 +688,7 @@ def sequence_picture(history: History) -> Figure:
         ((psi, "psi", r"$\Psi$ [-]", "Psi of the cracks"), (index, "DI", "DI [-]", "damage index")),
         1,
     ):
-        largest = _steps(ax, table, f"max_{name}", "largest in the event", style.MEDIUM, "--")
+        largest = _steps(ax, table, f"max_{name}", "largest in the event", style.MEDIUM, line="--")
         residual = _steps(ax, table, f"residual_{name}", "at rest after it", style.BLACK)
         ax.set_ylabel(label)
         letter(ax, number, words)

@@ -33,8 +33,8 @@ _MOST_ITERATIONS = 1000
 _CONVERGED = 1e-10
 """Error of the first mode [-], which falls by the ratio of the two lowest squared frequencies in
 each iteration."""
-_MOST_KEPT = 16
-_KEPT = {}  # {all that modes, static displacements or scaled masses depend on: these}
+_MOST_CACHED = 16
+_CACHE = {}  # {all that modes, static displacements or scaled masses depend on: these}
 
 
 @dataclass(frozen=True)
@@ -61,42 +61,43 @@ def inside_lintels(layout: Layout) -> np.ndarray:
 
 
 def joint_stiffness(
-    layout: Layout, factor: float = 1.0, of: slice | np.ndarray = slice(None)
+    layout: Layout, factor: float = 1.0, points: slice | np.ndarray = slice(None)
 ) -> Blocks:
-    """Return the stiffness of contact points [N/m, N, N m] times a factor, as Blocks; of: which,
-    all by default."""
+    """Return the stiffness of contact points [N/m, N, N m] times a factor, as Blocks; points:
+    which, all by default."""
     contacts = layout.contacts
     rows = layout.directions
     ends = np.stack([contacts.first, contacts.second])
     across = contacts.normal_stiffness
     along = contacts.shear_stiffness
-    weights = [(factor * (stiffness * contacts.area))[of] for stiffness in (across, along, along)][
-        : len(rows)
+    weights = [
+        (factor * (stiffness * contacts.area))[points]
+        for stiffness in (across, along, along)[: len(rows)]
     ]
     return sum_of_products(
         len(layout.bodies),
-        np.hstack([ends[:, of]] * len(rows)),
-        np.hstack([row[:, of] for row in rows]),
+        np.hstack([ends[:, points]] * len(rows)),
+        np.hstack([row[:, points] for row in rows]),
         np.hstack(weights),
     )
 
 
-def stiffness_matrix(layout: Layout, of: slice | np.ndarray = slice(None)) -> csc_array:
-    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2]; of:
-    which contact points, all by default.
+def stiffness_matrix(layout: Layout, points: slice | np.ndarray = slice(None)) -> csc_array:
+    """Sparse stiffness (coordinates n_bodies, the same) of the intact wall [N/m, N, N m, 1/s2];
+    points: which contact points count, all by default.
 
     >>> from damage.wall.layout import lay_out
     >>> from damage.wall.parameters import Wall
     >>> stiffness_matrix(lay_out(Wall("pier", 0.9, 1.5))).shape
     (273, 273)
     """
-    return _stiffness(layout, True, of=of).sparse()
+    return _stiffness(layout, True, points=points).sparse()
 
 
-def _stiffness(layout, free, massless=0.0, of=slice(None)):
+def _stiffness(layout, free, massless=0.0, points=slice(None)):
     """Stiffness of the intact wall as Blocks: of coordinates that are `free`, others with this on
-    the diagonal; of: which contact points."""
-    joints = joint_stiffness(layout, of=of)
+    the diagonal; points: which contact points count."""
+    joints = joint_stiffness(layout, points=points)
     diagonal = np.zeros(layout.rigid_mass.shape)
     free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
     if layout.wall.restraints:
@@ -129,8 +130,15 @@ def mass_vector(layout: Layout) -> np.ndarray:
 
 def static_displacement(layout: Layout) -> np.ndarray:
     """Displacement (n_bodies, coordinates) [m, m, rad, m sqrt(kg) ...] of the intact wall under its
-    weight, linear; those of the last walls are kept."""
-    return _kept(_static_displacement, layout, layout.weighing.tobytes())
+    weight, linear; those of the last walls are kept.
+
+    >>> from damage.wall.layout import lay_out
+    >>> from damage.wall.parameters import Wall
+    >>> rises_m = static_displacement(lay_out(Wall("pier", 0.9, 1.5)))[:, 1]
+    >>> round(1e6 * float(rises_m.min()), 1)  # [1e-6 m]
+    -98.2
+    """
+    return _cached(_static_displacement, layout, layout.weighing.tobytes())
 
 
 def _static_displacement(layout, weighing):
@@ -173,22 +181,22 @@ def natural_modes(layout: Layout, n_modes: int = 6) -> Modes:
     >>> natural_modes(lay_out(Wall("pier", 0.9, 1.5))).period_s[:1].round(4).tolist()
     [0.0815]
     """
-    return _kept(_natural_modes, layout, n_modes)
+    return _cached(_natural_modes, layout, n_modes)
 
 
-def _kept(function, layout, argument):
+def _cached(function, layout, argument):
     """A copy of what a function returns for this argument and a layout as stiff and as heavy."""
     key = function, argument, layout.wall.restraints, elastic_key(layout)
-    return deepcopy(kept(key, lambda: function(layout, argument)))
+    return deepcopy(cached(key, lambda: function(layout, argument)))
 
 
-def kept(key, make):
+def cached(key, make):
     """What `make()` returned for this key, should it be among the last ones used."""
-    value = _KEPT.pop(key, None)
-    _KEPT[key] = make() if value is None else value
-    if len(_KEPT) > _MOST_KEPT:
-        del _KEPT[next(iter(_KEPT))]
-    return _KEPT[key]
+    value = _CACHE.pop(key, None)
+    _CACHE[key] = make() if value is None else value
+    if len(_CACHE) > _MOST_CACHED:
+        del _CACHE[next(iter(_CACHE))]
+    return _CACHE[key]
 
 
 def _natural_modes(layout, n_modes):
@@ -205,9 +213,9 @@ def _natural_modes(layout, n_modes):
 
     matrix = stiffest = over_mass(stiffness_matrix(layout))
     if top and top.stiffness and not top.at_rest:  # beyond its play
-        own = np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
-        own[:, 0] = _of_bearing(layout, top.stiffness)
-        stiffest = matrix + diags(own.ravel()[free] * scale**2)
+        bearing = np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
+        bearing[:, 0] = _of_bearing(layout, top.stiffness)
+        stiffest = matrix + diags(bearing.ravel()[free] * scale**2)
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
     n_modes = min(n_modes, matrix.shape[0] - 2)
     try:

@@ -52,8 +52,8 @@ def build(layout):
         RIGID + n_modes,
         interfaces,
         contacts,
-        n_bodies if top_of(layout.wall) else 0,
-        CAPACITY,
+        n_bearings=n_bodies if top_of(layout.wall) else 0,
+        capacity=CAPACITY,
     )
     system = system_of(tables, 0)
     system.material[:] = material_of(layout.wall.joint)

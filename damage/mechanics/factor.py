@@ -6,7 +6,7 @@ import hashlib
 import numpy as np
 
 from damage.linear.blocks import factorised
-from damage.linear.modes import elastic_key, joint_stiffness, kept, mass_vector
+from damage.linear.modes import cached, elastic_key, joint_stiffness, mass_vector
 from damage.mechanics.scaling import LOST
 from damage.mechanics.tables import RIGID, ROW, Matrix, aligned_zeros
 
@@ -15,16 +15,24 @@ MASSLESS = 1e-30
 m2]."""
 
 
-def scaled_mass(layout, time_step, beta, held=(), of=slice(None)):
-    """The ScaledMass of a layout for a time step and stiffness-proportional damping [s], with
-    bodies (rows) of which coordinates are `held` (their numbers): their velocity is prescribed;
-    of: contact points whose stiffness counts; those of the last walls are kept."""
-    numbers = np.array([time_step, beta, *held], float)
+def scaled_mass(layout, time_step, beta, prescribed=(), points=slice(None)):
+    """The ScaledMass of a layout for a time step and stiffness-proportional damping [s]; those of
+    the last walls are kept.
+
+    prescribed: numbers of the coordinates whose velocity is; points: contact points whose stiffness
+    counts.
+    """
+    numbers = np.array([time_step, beta, *prescribed], float)
     damping = layout.strain.damping.tobytes() if layout.strain else b""
-    counts = np.ones(len(layout.contacts), bool)[of].tobytes()
+    counts = np.ones(len(layout.contacts), bool)[points].tobytes()
     parts = elastic_key(layout), mass_vector(layout).tobytes(), damping, numbers.tobytes(), counts
     key = hashlib.sha256(b"|".join(parts)).digest()
-    return kept(key, lambda: ScaledMass(key, layout, time_step, beta, list(held), of))
+
+    def make():
+        whole = _scaled(layout, time_step, beta, list(prescribed), points)
+        return ScaledMass(key, layout, beta, points, whole)
+
+    return cached(key, make)
 
 
 def matrix_of(masses, width):
@@ -42,13 +50,13 @@ def matrix_of(masses, width):
 class ScaledMass:
     """Mass matrix of a wall with selective mass scaling; key: of all that it depends on; whole: of
     all bodies, as damage.linear.blocks.Blocks, in which prescribed velocities are coupled to no
-    other; matrix: its Matrix, without room."""
+    other; matrix: its Matrix, without room; beta, points: as of `scaled_mass`."""
 
-    def __init__(self, key, layout, time_step, beta, held, of):
+    def __init__(self, key, layout, beta, points, whole):
         self.key = key
         self.beta = beta
-        self.of = of
-        self.whole = _scaled(layout, time_step, beta, held, of)
+        self.points = points
+        self.whole = whole
         self.matrix = self._factor(layout)
 
     def _factor(self, layout):
@@ -58,7 +66,7 @@ class ScaledMass:
         size = self.whole.values.shape[1]
         contacts = layout.contacts
         supports = len(layout.supports)
-        scaled = np.isin(factor.order, [contacts.first[self.of], contacts.second[self.of]])
+        scaled = np.isin(factor.order, [contacts.first[self.points], contacts.second[self.points]])
         nodes = factor.per_body
         bodies = len(factor.order)
         order = [*factor.order, *range(bodies, bodies + supports)]
@@ -80,7 +88,7 @@ class ScaledMass:
         )
 
 
-def _scaled(layout, time_step, beta, held, of):
+def _scaled(layout, time_step, beta, prescribed, points):
     """`whole` of a ScaledMass."""
     half = 0.5 * time_step
     strain = layout.strain
@@ -89,5 +97,5 @@ def _scaled(layout, time_step, beta, held, of):
     free = mass > 0
     if strain:
         inertia[:, RIGID:] += half * (time_step * strain.stiffness + strain.damping * strain.mass)
-    free.flat[held] = False
-    return joint_stiffness(layout, half * (time_step + beta), of).bounded(free, inertia)
+    free.flat[prescribed] = False
+    return joint_stiffness(layout, half * (time_step + beta), points).bounded(free, inertia)

@@ -67,12 +67,12 @@ class Samples(NamedTuple):
         n_contacts = len(system.contacts)
         n_bodies = len(system.place)
         return cls(
-            np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)),
-            np.zeros((n_walls, n_samples, n_contacts)),
-            np.zeros((n_walls, n_samples, 2, n_contacts * with_stresses)),
-            np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
-            np.zeros((n_walls, n_samples, n_supports, RIGID)),
-            np.zeros((n_walls, n_samples, TOTALS)),
+            contacts=np.zeros((n_walls, n_samples, len(FIELDS), n_contacts)),
+            stored=np.zeros((n_walls, n_samples, n_contacts)),
+            stress=np.zeros((n_walls, n_samples, 2, n_contacts * with_stresses)),
+            displacement=np.zeros((n_walls, n_samples, n_bodies, system.place.shape[1])),
+            support_force=np.zeros((n_walls, n_samples, n_supports, RIGID)),
+            totals=np.zeros((n_walls, n_samples, TOTALS)),
         )
 
     def of(self, wall, count):

@@ -315,8 +315,8 @@ def join(members):
         old.inertia.shape[1] // INERTIAL,
         old.interfaces.copy(),
         old.contacts.copy(),
-        len(old.bearings),
-        old.events.shape[1],
+        n_bearings=len(old.bearings),
+        capacity=old.events.shape[1],
         width=1 if len(members) == 1 else WIDTH,
     )
     for w, (tables, lane) in enumerate(members):

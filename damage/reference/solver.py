@@ -113,18 +113,21 @@ class ReferenceSolver(ReferenceWall, Solver):
         }
         of_joints = samples.stress[rows][..., : self.layout.n_joints]
         stress = np.moveaxis(of_joints, 1, 2) if self.with_stresses else None
+        input_j, friction_j, fracture_j, damping_j = totals[:, KINETIC + 1 : ELASTIC].T
         return Instants(
-            clock,
-            moved[:, :n, :RIGID],
-            moved[:, n:, :RIGID],
-            samples.support_force[rows],
-            joints,
-            contacts,
-            np.full(len(clock), self.push_force()),
-            totals[:, KINETIC],
-            total(samples.stored)[rows] + totals[:, ELASTIC] + self._in_bearing(),
-            totals[:, KINETIC + 1] - self._in_springs(moved[:, :n]),
-            *totals[:, KINETIC + 2 : ELASTIC].T,
+            clock=clock,
+            displacement=moved[:, :n, :RIGID],
+            support_displacement=moved[:, n:, :RIGID],
+            support_force=samples.support_force[rows],
+            joints=joints,
+            contacts=contacts,
+            top_force_n=np.full(len(clock), self.push_force()),
+            kinetic_j=totals[:, KINETIC],
+            elastic_j=total(samples.stored)[rows] + totals[:, ELASTIC] + self._in_bearing(),
+            input_j=input_j - self._in_springs(moved[:, :n]),
+            friction_j=friction_j,
+            fracture_j=fracture_j,
+            damping_j=damping_j,
             joint_stress_pa=stress,
         )
 

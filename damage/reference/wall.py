@@ -62,7 +62,7 @@ class ReferenceWall:
         self.strain = strain_tables(layout)
         self.loose = None
         self.cuts = cut_tables(layout, built.interfaces)
-        self.mass = None if scaled is None else scaled_mass(layout, time_step, beta, of=scaled)
+        self.mass = None if scaled is None else scaled_mass(layout, time_step, beta, points=scaled)
         if new_contacts:
             self.loose = build_loose(layout, tables.system_of(built, 0), time_step)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
@@ -269,7 +269,7 @@ class ReferenceWall:
         if self.mass:
             held = np.flatnonzero(self.system.inverse_mass[: len(self.layout.bodies)] == 0)
             self.mass = scaled_mass(
-                self.layout, self.time_step, self.mass.beta, held.tolist(), self.mass.of
+                self.layout, self.time_step, self.mass.beta, held.tolist(), self.mass.points
             )
             Lanes([self])
 

@@ -74,7 +74,9 @@ class Run:
         self.sample_steps = schedule.sample_steps(solver.time_step, settings.mass_scaling)
         self.stages = schedule.stages(settings, layout, solver.time_step, self.sample_steps)
         self._zero_step = schedule.zero_step(self.stages)
-        self.sampler = Sampler(layout, settings, solver, writer, state, self._zero_step)
+        self.sampler = Sampler(
+            layout, settings, solver, writer, state=state, zero_step=self._zero_step
+        )
         # (velocities in each interval, what moves by them, first interval)
         self._prescribed = []
         # at time zero

@@ -15,6 +15,7 @@ head joint of bricks has one.
 
 from collections import Counter
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -79,6 +80,19 @@ class Contacts:
         return (self.kind == HEAD) | (self.kind == CUT)
 
 
+class _Point(NamedTuple):
+    """A contact point, or arrays of them: fields of Contacts."""
+
+    kind: int
+    first: int
+    second: int
+    first_cell: int
+    second_cell: int
+    x: float
+    z: float
+    length: float
+
+
 def segments_of(options):
     """Segments of a joint of half a brick."""
     return {
@@ -110,39 +124,28 @@ def make_contacts(plan, options, bodies, cells, breaks):
         if pair[0] == CAP
         for row in _contact_rows(options, bodies, cells, *pair)
     ]
-    kind, first, second, first_cell, second_cell, x, z, length = (
-        np.array(column) for column in zip(*rows)
+    points = _Point(*(np.array(column) for column in zip(*rows)))
+    kind = points.kind
+    normal, shear = contact_stiffness(
+        wall, options, bodies, kind=kind, first=points.first, second=points.second
     )
-    normal, shear = contact_stiffness(wall, options, bodies, kind, first, second)
     for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
-        normal[index], shear[index] = cut_stiffness(wall.brick, place, row[5])
+        normal[index], shear[index] = cut_stiffness(wall.brick, place, row.x)
     head = kind == HEAD
-    middle_x = np.where(head, x, (cells.left + cells.right)[second_cell] / 2)
+    middle_x = np.where(head, points.x, (cells.left + cells.right)[points.second_cell] / 2)
     # points at a joint's ends lie at the boundaries of its courses
-    middle_z = np.where(head, bodies.z[second], z)
+    middle_z = np.where(head, bodies.z[points.second], points.z)
     elastic = (kind == CAP) | (kind == CUT) | in_lintel(plan, options.lintel, middle_x, middle_z)
-    strengths = [
-        np.where(elastic, np.inf, strength)
-        for strength in (
-            wall.joint.tensile_strength,
-            wall.joint.cohesion,
-            wall.joint.compressive_strength or np.inf,
-        )
-    ]
+    joint = wall.joint
     return Contacts(
-        kind,
-        first,
-        second,
-        x,
-        z,
-        length,
-        length * wall.brick.thickness,
-        normal,
-        shear,
-        elastic,
-        *strengths,
-        first_cell,
-        second_cell,
+        **points._asdict(),
+        area=points.length * wall.brick.thickness,
+        normal_stiffness=normal,
+        shear_stiffness=shear,
+        elastic=elastic,
+        tensile_strength=np.where(elastic, np.inf, joint.tensile_strength),
+        cohesion=np.where(elastic, np.inf, joint.cohesion),
+        compressive_strength=np.where(elastic, np.inf, joint.compressive_strength or np.inf),
     )
 
 
@@ -205,8 +208,7 @@ def _lintel_rows(plan, options, bodies, cells):
     cuts = []
     least = 2 // len(POINT_POSITIONS[options.contacts])
     for part, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
-        cell = right_cell[part]
-        facing = left_cell[other]
+        pair = part, other, right_cell[part], left_cell[other]
         x = ends[1][part]
         bottom, top = (
             pick(bodies.z[[part, other]] + sign * half[[part, other]])
@@ -216,8 +218,7 @@ def _lintel_rows(plan, options, bodies, cells):
         if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
             up, length = cut_places(place)
             cuts += [
-                (place, (CUT, part, other, cell, facing, x, bodies.z[part] + by, length))
-                for by in up
+                (place, _Point(CUT, *pair, x=x, z=bodies.z[part] + by, length=length)) for by in up
             ]
             continue
         both_lintels = place is not None and of_part.get(other)
@@ -226,15 +227,12 @@ def _lintel_rows(plan, options, bodies, cells):
         size = (top - bottom) / parts
         positions = POINT_POSITIONS[options.contacts]
         beside += [
-            (
+            _Point(
                 HEAD,
-                part,
-                other,
-                cell,
-                facing,
-                x,
-                bottom + size * (k + (1 + up) / 2),
-                size / len(positions),
+                *pair,
+                x=x,
+                z=bottom + size * (k + (1 + up) / 2),
+                length=size / len(positions),
             )
             for k in range(parts)
             for up in positions
@@ -308,17 +306,10 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alon
     if kind == CAP and where != "gauss":
         where = "corners" if hinge else "interior"
     places = _HALVES if alone and kind == BED and where == "interior" else POINT_POSITIONS[where]
+    points = [(1 - place) / 2 * start + (1 + place) / 2 * end for place in places]
     return [
-        (
-            kind,
-            first,
-            second,
-            first_cell,
-            second_cell,
-            *((1 - place) / 2 * start + (1 + place) / 2 * end),
-            length / len(places),
-        )
-        for place in places
+        _Point(kind, first, second, first_cell, second_cell, x=x, z=z, length=length / len(places))
+        for x, z in points
     ]
 
 

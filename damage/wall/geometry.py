@@ -132,7 +132,7 @@ def joint_segments(joints, bodies, motion, magnify=1.0, supports=AT_REST):
     [m]."""
     ends = tributary_ends(joints)
     first, second = (
-        displaced(bodies, motion, joints[name].to_numpy(), ends, magnify, supports)
+        displaced(bodies, motion, joints[name].to_numpy(), ends, magnify=magnify, supports=supports)
         for name in ("first_body", "second_body")
     )
     return (first + second) / 2

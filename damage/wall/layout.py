@@ -91,7 +91,11 @@ class Cells:
 @dataclass(frozen=True)
 class Supports:
     """The ground below the base as bodies whose motion is prescribed, with reference points at z =
-    0; left, right [m]: the part of the base that each carries, (n_supports,)."""
+    0; left, right [m]: the part of the base that each carries, (n_supports,).
+
+    >>> Supports(np.array([0.0, 0.4]), np.array([0.4, 1.0])).x.tolist()
+    [0.2, 0.7]
+    """
 
     left: np.ndarray
     right: np.ndarray
@@ -133,6 +137,14 @@ class Layout:
     IN_SPACE, whether bodies move out of the plane of their wall; HORIZONTAL and TRANSLATIONS,
     numbers of coordinates; SHEAR, type of a shear displacement; MOTION_AXES, components of the
     motion of the base; BASE_COLUMNS, of the rigid motion of the base in a history.
+
+    >>> layout = lay_out(Wall("pier", 0.9, 1.5, precompression=0.3e6))
+    >>> round(layout.total_mass), round(layout.top_mass), round(layout.pier_stress)  # [kg], [Pa]
+    (3084, 2821, 300000)
+    >>> round(layout.total_joint_length, 2), layout.joint_length[:2].round(4).tolist()  # [m]
+    (23.25, [0.0562, 0.0562])
+    >>> layout.pushed_bodies.tolist(), layout.push_shares(())[layout.pushed_bodies].tolist()
+    ([90], [1.0])
     """
 
     IN_SPACE: ClassVar = False
@@ -568,17 +580,23 @@ def _with_restraints(plan, options, bodies, top_mass):
             )
         bodies = _joined(
             bodies,
-            wall.length / 2,
-            wall.built_height + THICK_M / 2,
-            wall.length,
-            THICK_M,
-            mass,
-            CAP_COURSE,
+            x=wall.length / 2,
+            z=wall.built_height + THICK_M / 2,
+            length=wall.length,
+            height=THICK_M,
+            mass=mass,
+            course=CAP_COURSE,
         )
     for side in (restraint.side for restraint in wall.restraints if restraint.side != "top"):
         x = -THICK_M / 2 if side == "left" else wall.length + THICK_M / 2
         bodies = _joined(
-            bodies, x, wall.built_height / 2, THICK_M, wall.built_height, 0.0, SIDE_COURSE
+            bodies,
+            x=x,
+            z=wall.built_height / 2,
+            length=THICK_M,
+            height=wall.built_height,
+            mass=0.0,
+            course=SIDE_COURSE,
         )
     return bodies
 
@@ -600,12 +618,12 @@ def _with_caps(plan, options, bodies, top_mass):
     width = spans[:, 1] - spans[:, 0]
     return _joined(
         bodies,
-        spans.mean(axis=1),
-        plan.wall.built_height + CAP_HEIGHT / 2,
-        width,
-        CAP_HEIGHT,
-        top_mass * width / width.sum(),
-        CAP_COURSE,
+        x=spans.mean(axis=1),
+        z=plan.wall.built_height + CAP_HEIGHT / 2,
+        length=width,
+        height=CAP_HEIGHT,
+        mass=top_mass * width / width.sum(),
+        course=CAP_COURSE,
     )
 
 
@@ -614,7 +632,7 @@ def _inertia(mass, length, height):
     return mass * (length * length + height * height) / 12
 
 
-def _joined(bodies, x, z, length, height, mass, course):
+def _joined(bodies, *, x, z, length, height, mass, course):
     """Bodies, and behind them blocks."""
     inertia = _inertia(mass, length, height)
     added = np.broadcast_arrays(*map(np.atleast_1d, (x, z, length, height, mass, inertia, course)))

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import chain, combinations, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,6 +52,11 @@ class Plan:
     drift_course: whose displacement is the wall's drift: the highest that the outline leaves at
         least half as long as the wall, or the base course; the top course of a wall without an
         outline; that at mid-height where a restraint holds the top.
+
+    >>> from damage.wall.parameters import Floor, Wall
+    >>> plan = plan_of(Wall("pier", 0.9, 1.5, floors=[Floor(1.2, 500.0, kind="concrete")]))
+    >>> plan.n_bricks, plan.piers, [slab.above for slab in plan.slabs]  # bricks, [m], courses
+    (81, ((0.0, 0.9),), [16])
     """
 
     wall: Any
@@ -177,8 +182,8 @@ def _opening_places(wall, floors):
             opening.left,
             opening.right,
             *wall.opening_courses(opening),
-            wall.courses,
-            wall.lintel_of(opening),
+            spandrel=wall.courses,
+            lintel=wall.lintel_of(opening),
         )
         for opening in wall.openings
     ]
@@ -212,7 +217,7 @@ def _find_piers(length, openings):
     """
     storey = []
     sill = np.inf
-    for opening in sorted(openings, key=lambda one: -one.above):
+    for opening in sorted(openings, key=lambda place: -place.above):
         if storey and opening.above < sill:
             break
         sill = min(sill, opening.first)
@@ -229,33 +234,44 @@ def _lintel_places(brick, openings, runs):
     part of the course, or meets the lintel that is there.
     """
     length = brick.length
-    places = []
-    for place in sorted(openings, key=lambda one: (one.left, one.first)):
-        lintel = place.lintel
+    places = []  # without edges
+    below = []  # the openings of these
+    for opening in sorted(openings, key=lambda place: (place.left, place.first)):
+        lintel = opening.lintel
         wanted = lintel.courses(brick) if lintel.is_body else 0
-        first = place.above
-        above = min(place.spandrel, place.above + wanted)
-        run = _common_run(runs[first:above], (place.left + place.right) / 2)
+        first = opening.above
+        above = min(opening.spandrel, first + wanted)
+        run = _common_run(runs[first:above], (opening.left + opening.right) / 2)
         if run is None:
             continue
         height, width, bearing = lintel.built(brick)
-        left = _bearing_end(length, place.left, -bearing, run[0])
-        right = _bearing_end(length, place.right, bearing, run[1])
         if above - first < wanted or lintel.kind == "arch":
             height = (above - first) * brick.height
-        places.append([lintel, left, right, first, above, place, height, width])
-    for one, other in (
-        (place, other) for k, place in enumerate(places) for other in places[k + 1 :]
-    ):
-        apart = min(one[4], other[4]) <= max(one[3], other[3]) or one[5].right >= other[5].left
-        if not apart and other[1] - one[2] < length / 2 - TINY:
-            one[2] = other[1] = _on_quarters(length, (one[5].right + other[5].left) / 2)
+        places.append(
+            LintelPlace(
+                lintel,
+                left=_bearing_end(length, opening.left, -bearing, run[0]),
+                right=_bearing_end(length, opening.right, bearing, run[1]),
+                first=first,
+                above=above,
+                edges=(),
+                height=height,
+                width=width,
+            )
+        )
+        below.append(opening)
+    for k, m in combinations(range(len(places)), 2):
+        start = below[k].right
+        end = below[m].left
+        shares = min(places[k].above, places[m].above) > max(places[k].first, places[m].first)
+        if shares and start < end and places[m].left - places[k].right < length / 2 - TINY:
+            middle = _on_quarters(length, (start + end) / 2)
+            places[k] = places[k]._replace(right=middle)
+            places[m] = places[m]._replace(left=middle)
     near = sorted({x for place in openings for x in (place.left, place.right)})
     return tuple(
-        LintelPlace(
-            lintel, left, right, first, above, edges_of(lintel, brick, left, right, near), *section
-        )
-        for lintel, left, right, first, above, _, *section in places
+        place._replace(edges=edges_of(place.lintel, brick, place.left, place.right, near))
+        for place in places
     )
 
 

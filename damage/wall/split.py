@@ -86,7 +86,14 @@ def cut_bricks(layout):
     contacts = _under_new_numbers(layout.contacts, cells)
     glue = int(np.sum(contacts.kind != CAP))
     n_points = CUT_POINTS * len(cut)
-    points = _cut_points(wall.brick, middle[cut], old.z[cut], cut, right_half[cut], cells)
+    points = _cut_points(
+        wall.brick,
+        cells,
+        x=middle[cut],
+        z=old.z[cut],
+        left_half=cut,
+        right_half=right_half[cut],
+    )
     contacts = _with(contacts, np.full(n_points, glue), points)
     normal, shear = lumped_stiffness(wall, bodies, contacts.kind, contacts.first, contacts.second)
     of_lintels = (contacts.kind == CUT) & ~np.isnan(contacts.normal_stiffness)
@@ -143,7 +150,7 @@ def _under_new_numbers(contacts, cells):
     return replace(contacts, **bodies)
 
 
-def _cut_points(brick, x, z, left_half, right_half, cells):
+def _cut_points(brick, cells, *, x, z, left_half, right_half):
     """Return {field: values} of the cuts' contact points, upwards in each cut.
 
     x, z: middles of the bricks that split [m]; left_half, right_half: numbers of their halves.

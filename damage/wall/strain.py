@@ -172,7 +172,14 @@ def strain_of(brick, options, bodies, contacts, n_bricks):
     with np.errstate(invalid="ignore", divide="ignore"):
         damping = np.where(mass > 0, 2 * options.brick_damping * frequency / np.sqrt(mass), 0.0)
     shapes, (first, second) = _shapes(modes, bodies, contacts)
-    return Strain(mass, frequency**2, damping, shapes, first, second)
+    return Strain(
+        mass=mass,
+        stiffness=frequency**2,
+        damping=damping,
+        shapes=shapes,
+        first=first,
+        second=second,
+    )
 
 
 def _shapes(modes, bodies, contacts):

@@ -175,7 +175,7 @@ class TestLintels:
         inside = inside_lintels(layout)
         step = modes.masonry_time_step_s
         assert inside.any() and step > 1.3 * modes.critical_time_step_s
-        scaled = scaled_mass(layout, step, 0.0, of=inside).whole.sparse().toarray()
+        scaled = scaled_mass(layout, step, 0.0, points=inside).whole.sparse().toarray()
         stiffness = stiffness_matrix(layout).toarray()
         mass = mass_vector(layout)
         added = (scaled - np.diag(mass)).reshape(len(layout.bodies), 3, -1)
@@ -189,7 +189,7 @@ class TestLintels:
         layout = lay_out(wall)
         for held in (False, True):
             solves_as_scipy_does(layout, held, inside_lintels(layout))
-        matrix = scaled_mass(layout, 2e-4, 1e-6, of=inside_lintels(layout)).matrix
+        matrix = scaled_mass(layout, 2e-4, 1e-6, points=inside_lintels(layout)).matrix
         of_others = np.flatnonzero(layout.bodies.course != LINTEL_COURSE)
         assert matrix.body[: matrix.alone].tolist() == of_others.tolist()
 
@@ -198,7 +198,9 @@ class TestLintels:
             lay_out(replace(wall, restraints=[Restraint("top", rotation)]))
             for rotation in ("fixed", "free")
         )
-        keys = {scaled_mass(one, 2e-4, 1e-6, of=inside_lintels(one)).key for one in (fixed, free)}
+        keys = {
+            scaled_mass(one, 2e-4, 1e-6, points=inside_lintels(one)).key for one in (fixed, free)
+        }
         assert len(keys) == 2
 
     def test_other_runs_keep_all_masses(self, wall):

@@ -97,7 +97,7 @@ def test_modes_do_not_know_the_last_bits_of_libraries(symmetric_wall, monkeypatc
         return found[0] * (1 + 1e-12), -found[1]
 
     monkeypatch.setattr("damage.linear.modes.eigsh", otherwise)
-    monkeypatch.setattr("damage.linear.modes._KEPT", {})
+    monkeypatch.setattr("damage.linear.modes._CACHE", {})
     found = natural_modes(layout)
     assert np.array_equal(found.shape, wanted.shape) and np.array_equal(
         found.period_s, wanted.period_s

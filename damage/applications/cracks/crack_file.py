@@ -110,14 +110,12 @@ def read_cracks(path):
         patterns.append(
             CrackPattern(
                 level,
-                _one_value(table, here["drift_pct"]) / 100,
-                stretches,
-                offset,
-                *(
-                    _one_value(table, here[name]) * MILLIMETRE
-                    for name in ("detection_limit_mm", "width_error_mm")
-                ),
-                _clear(table, here[is_area]),
+                drift_ratio=_one_value(table, here["drift_pct"]) / 100,
+                stretches=stretches,
+                offset=offset,
+                detection_limit_m=_one_value(table, here["detection_limit_mm"]) * MILLIMETRE,
+                width_error_m=_one_value(table, here["width_error_mm"]) * MILLIMETRE,
+                clear=_clear(table, here[is_area]),
             )
         )
     drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)

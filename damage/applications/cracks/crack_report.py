@@ -126,9 +126,15 @@ def history_report(history, samples, threshold, drift_limit, psi_from, export):
             ],
         )
     run = psi_summary(history, psi_from) | {"psi_from_mm": psi_from / MILLIMETRE}
-    total = float(history.joint_length_m.sum())
-    shown = _report(history.wall, "simulation", total, levels, threshold, psi_from)
-    return shown | {"run": run, "notes": []}
+    report = _report(
+        history.wall,
+        "simulation",
+        total_m=float(history.joint_length_m.sum()),
+        levels=levels,
+        threshold=threshold,
+        psi_from=psi_from,
+    )
+    return report | {"run": run, "notes": []}
 
 
 def _report(wall, source, total_m, levels, threshold, psi_from):
@@ -155,12 +161,13 @@ def history_drawn(history, samples, threshold=THRESHOLD):
 def pattern_report(patterns, layout, threshold, drift_limit, psi_from, tolerance=None):
     """The results of CrackPatterns on a Layout, a dictionary, and their MappedCracks."""
     mapped = [map_cracks(pattern, layout, tolerance) for pattern in patterns]
+    limits = {"threshold": threshold, "psi_from": psi_from}
     levels = [
-        describe_level(pattern, cracks, layout, threshold, drift_limit, psi_from)
+        describe_level(pattern, cracks, layout, drift_limit=drift_limit, **limits)
         for pattern, cracks in zip(patterns, mapped)
     ]
-    about = layout.wall.name, "digitised cracks", layout.total_joint_length
-    report = _report(*about, levels, threshold, psi_from)
+    total_m = layout.total_joint_length
+    report = _report(layout.wall.name, "digitised cracks", total_m, levels, **limits)
     return report | {"notes": list(_notes(levels))}, mapped
 
 

@@ -154,16 +154,17 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
     narrowest = float(parts["width_m"][parts["width_m"] > 0].to_numpy(float).min(initial=THRESHOLD))
     known = [narrowest if isnan(limit) else limit, WIDTH_ERROR if isnan(error) else error]
     return Survey(
-        file,
-        sha256,
-        pattern,
-        segments,
-        wall.n_joints,
-        paths.share,
-        paths.apart_m,
-        *known,
-        _looked_at(pattern.clear, segments["joint"], wall),
-        tuple(_assumed(pattern, known)),
+        file=file,
+        sha256=sha256,
+        pattern=pattern,
+        table=segments,
+        n_joints=wall.n_joints,
+        share_on_joints=paths.share,
+        apart_m=paths.apart_m,
+        detection_limit_m=known[0],
+        width_error_m=known[1],
+        looked_at=_looked_at(pattern.clear, segments["joint"], wall),
+        notes=tuple(_assumed(pattern, known)),
     )
 
 

@@ -388,14 +388,14 @@ def _make_claim(asked):
     }
     return make_claim(
         Claim(
-            asked.wall,
-            _address_of(asked),
-            asked.cracks,
-            _options_of(asked),
-            settlement,
-            asked.draws,
-            asked.language,
-            tuple(asked.units),
+            wall=asked.wall,
+            address=_address_of(asked),
+            survey=asked.cracks,
+            options=_options_of(asked),
+            settlement=settlement,
+            draws=asked.draws,
+            language=asked.language,
+            units=tuple(asked.units),
         ),
         asked.out,
         asked.jobs,

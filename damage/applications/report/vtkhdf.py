@@ -17,7 +17,7 @@ tributary length on the front face, so that a joint can open:
 
 import io
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import h5py
 import numpy as np
@@ -80,24 +80,11 @@ def _fill(root, cells):
     n_snapshots = len(cells.history.snapshot_time_s)
     shapes = [*range(n_snapshots), -1]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
-    _keep(
-        root,
-        steps,
-        "PointData",
-        shapes,
-        shape_of,
-        lambda k: {"displacement_m": cells.displacement(k)},
-    )
-    _keep(
-        root,
-        steps,
-        "CellData",
-        shapes,
-        shape_of,
-        lambda k: {"rotation_rad": cells.rotation(k)},
-    )
-    _keep(root, steps, "CellData", [0], np.zeros_like(samples), lambda k: cells.fixed)
-    _keep(root, steps, "CellData", samples, samples, cells.joint_fields)
+    keep = partial(_keep, root, steps)
+    keep("PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
+    keep("CellData", shapes, shape_of, lambda k: {"rotation_rad": cells.rotation(k)})
+    keep("CellData", [0], np.zeros_like(samples), lambda k: cells.fixed)
+    keep("CellData", samples, samples, cells.joint_fields)
     for name, values in cells.numbers.items():
         root[f"FieldData/{name}"] = values.to_numpy(float)
         steps[f"FieldDataOffsets/{name}"] = samples

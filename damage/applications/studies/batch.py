@@ -69,7 +69,7 @@ def run(study, folder, jobs, keep="all", *, remake=False, part=None, lock=None):
     lock = claim(folder, study, part is not None, lock, again)
     try:
         with chdir(ROOT):
-            return Batch(study, folder, jobs, keep, part, lock).run(remake)
+            return Batch(study, folder, jobs, keep=keep, part=part, lock=lock).run(remake)
     except OSError as error:
         if error.filename is None:
             raise

@@ -44,9 +44,9 @@ def fragility_pictures(runs, fits, intensity=None):
     return [
         (
             f"fragility_{wall}_{intensity}",
-            fragility_picture(wall, runs[runs["wall"] == wall], ones, intensity),
+            fragility_picture(wall, runs[runs["wall"] == wall], of_wall, intensity),
         )
-        for wall, ones in fits.items()
+        for wall, of_wall in fits.items()
     ]
 
 
@@ -62,9 +62,12 @@ def fragility_picture(wall, runs, fits, intensity=None):
         ax.set_axis_off()
     x = np.linspace(0.005, 1.08, 120) * runs[intensity].max()
     drawn = [
-        _panel(ax, number, x, runs, [fit for fit in fits if fit.measure == measure], intensity)
-        for number, (ax, measure) in enumerate(zip(axes.flat, measures))
+        _panel(ax, x, runs, [fit for fit in fits if fit.measure == measure], intensity)
+        for ax, measure in zip(axes.flat, measures)
     ]
+    for number, (ax, measure) in enumerate(zip(axes.flat, measures)):
+        words = label(measure)
+        letter(ax, number, words.removesuffix(" [-]") if measure in LEVELS else words)
     axes[0, 0].set_ylabel("probability of exceeding")
     n_walls = runs["strength_seed"].nunique()
     records = runs["record"].dropna().unique()
@@ -87,13 +90,15 @@ def fragility_picture(wall, runs, fits, intensity=None):
     )
 
 
-def _panel(ax, number, x, runs, fits, intensity):
+def _panel(ax, x, runs, fits, intensity):
     """The curves of one measure; returns the kinds of bands that are drawn, a set."""
-    styled_fits = list(zip(fits, cycle(STYLES)))
-    handles, kinds = zip(*(_draw(ax, x, runs, fit, style, intensity) for fit, style in styled_fits))
+    handles, kinds = zip(
+        *(
+            _draw(ax, x, runs, fit, style=style, intensity=intensity)
+            for fit, style in zip(fits, cycle(STYLES))
+        )
+    )
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
-    measure = fits[0].measure
-    letter(ax, number, label(measure).removesuffix(" [-]") if measure in LEVELS else label(measure))
     ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     return set().union(*kinds)
 
@@ -130,39 +135,39 @@ def draw_shares(ax, exceed, intensity, style):
     ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
 
 
-def _bands(one, x):
-    """{name of _BANDS: lower and upper bound (2, n)} of the bands that there are."""
-    new = one.new_record
+def _bands(fit, x):
+    """{name of _BANDS: lower and upper bound (2, n)} of the bands that a Fragility has."""
+    new = fit.new_record
     bands = {
         "new record": new.bounds(x) if new else None,
-        "mean curve": one.bounds(x),
+        "mean curve": fit.bounds(x),
     }
     return {kind: bounds for kind, bounds in bands.items() if bounds is not None}
 
 
-def _draw(ax, x, runs, one, style, intensity):
-    """Shares, curve and bounds of one level; returns the legend's entry, and the names of the bands
-    drawn."""
+def _draw(ax, x, runs, fit, style, intensity):
+    """Shares, curve and bounds of a Fragility; returns the legend's entry, and the names of the
+    bands drawn."""
     colour, marker, line = style
-    draw_shares(ax, exceeding(runs, one.measure, one.level), runs[intensity], style)
-    words = (one.name and f"{one.name}: ") + f"> {one.level:g}"
+    draw_shares(ax, exceeding(runs, fit.measure, fit.level), runs[intensity], style)
+    entry = (fit.name and f"{fit.name}: ") + f"> {fit.level:g}"
     bands = {}
-    if np.isfinite(one.median):
-        ax.plot(x, one.probability(x), color=colour, ls=line)
-        bands = _bands(one, x)
+    if np.isfinite(fit.median):
+        ax.plot(x, fit.probability(x), color=colour, ls=line)
+        bands = _bands(fit, x)
         for kind, bounds in bands.items():
             ax.fill_between(x, *bounds, color=colour, alpha=_BANDS[kind][0], lw=0)
         unit = unit_of(intensity)[1]
-        words += (
-            f": between {one.step[0]:#.3g} and {one.step[1]:#.3g} {unit}"
-            if one.step
-            else f": median {one.median:#.3g} {unit}, dispersion {one.dispersion:.2f}"
+        entry += (
+            f": between {fit.step[0]:#.3g} and {fit.step[1]:#.3g} {unit}"
+            if fit.step
+            else f": median {fit.median:#.3g} {unit}, dispersion {fit.dispersion:.2f}"
         )
-        if one.new_record:
-            words += "\nof a new record {:#.2g} to {:#.2g} {}".format(
-                *one.new_record.median_bounds(), unit
+        if fit.new_record:
+            entry += "\nof a new record {:#.2g} to {:#.2g} {}".format(
+                *fit.new_record.median_bounds(), unit
             )
     else:
-        words += f": no curve, {one.n_exceeding} of {one.n_runs} runs exceed it"
-        words += f"\n{one.why}" if 0 < one.n_exceeding < one.n_runs else ""
-    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=words), list(bands)
+        entry += f": no curve, {fit.n_exceeding} of {fit.n_runs} runs exceed it"
+        entry += f"\n{fit.why}" if 0 < fit.n_exceeding < fit.n_runs else ""
+    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=entry), list(bands)

@@ -54,7 +54,9 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
         if task is None:
             return
         if task.steps:
-            status = _do_runs(task, connection, waiting, settled, inputs, processes)
+            status = _do_runs(
+                task, connection, waiting, settled, inputs=inputs, processes=processes
+            )
         else:
             task.log.unlink(missing_ok=True)
             print_into(task.log)

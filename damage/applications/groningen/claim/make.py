@@ -104,17 +104,16 @@ def make_claim(claim, out, jobs, remake=False):
                 survey,
                 layout,
                 exposure,
-                given,
-                _ground(claim),
-                first,
+                choices=given,
+                settlement=_ground(claim),
+                first=first,
             )
             done = draws == steps[-1] or (not claim.draws and enough(numbers, steps[-1]))
             numbers["draws_to_come"] = None if done else steps[-1]
             numbers["more_draws"] = whether_more_draws_help(numbers, claim.language)
             write_text(out / NUMBERS, json_text(numbers, indent=1) + "\n")
-            place = write_text(
-                out / SHEET, sheet(numbers, layout, survey, twins, claim.language, NUMBERS)
-            )
+            text = sheet(numbers, layout, survey, twins, language=claim.language, json_name=NUMBERS)
+            place = write_text(out / SHEET, text)
             if done:
                 break
             notes = [f"{draws} draws, not yet the answer: {place}", numbers["more_draws"]]

@@ -86,7 +86,7 @@ def sheet(numbers, wall, survey, twins, language, json_name):
             rows=ROWS,
             but_for=BUT_FOR,
             without=WITHOUT,
-            pictures=_pictures(numbers, wall, survey, twins, say, shown),
+            pictures=_pictures(numbers, wall, survey, twins, language),
             taken=_taken(numbers, say, shown),
             evidence=_evidence(numbers["evidence"], language),
             json_name=json_name,
@@ -307,8 +307,10 @@ def _evidence(evidence, language):
 # --- pictures ------------------------------------------------------------------------------------
 
 
-def _pictures(numbers, wall, survey, twins, say, shown):
+def _pictures(numbers, wall, survey, twins, language):
     """(SVG, caption) of the survey and of the nearest computed walls."""
+    say = partial(words, language)
+    shown = partial(number, language)
     survey_numbers = numbers["survey"]
     parts = survey.pattern.stretches
     caption = say(
@@ -324,9 +326,9 @@ def _pictures(numbers, wall, survey, twins, say, shown):
                 wall,
                 ends_of(parts),
                 parts["width_m"].to_numpy(float),
-                "#b00",
-                say("survey"),
-                [
+                colour="#b00",
+                label=say("survey"),
+                names=[
                     (f"{crack['crack']} {shown(crack['width_mm'])} mm", *crack["from_m"])
                     for crack in numbers["cracks"]
                 ],
@@ -342,8 +344,15 @@ def _pictures(numbers, wall, survey, twins, say, shown):
         text = say(key, cause=say(f"cause_{life['state']}"), distance=shown(life["distance"]))
         widest = np.argmax(width)
         label = f"{shown(width[widest] / MILLIMETRE)} mm", *twins.ends[widest][0]
-        labels = [label] if seen.any() else []
-        pictures.append((front(wall, twins.ends[seen], width[seen], "#046", text, labels), text))
+        picture = front(
+            wall,
+            twins.ends[seen],
+            width[seen],
+            colour="#046",
+            label=text,
+            names=[label] if seen.any() else [],
+        )
+        pictures.append((picture, text))
     return pictures
 
 

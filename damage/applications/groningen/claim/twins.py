@@ -149,26 +149,27 @@ def twins_of(study, draws, folder, layout):
         for point in done
     }
     return Twins(
-        np.array(numbers),
-        *({name: runs[:, k] for name, runs in whole.items()} for k in (0, 1)),
-        {
+        numbers=np.array(numbers),
+        opening_m={name: runs[:, 0] for name, runs in whole.items()},
+        offset_m={name: runs[:, 1] for name, runs in whole.items()},
+        fell={
             name: fell[point] if moment is None else np.zeros(len(numbers), bool)
             for name, (point, moment) in STATES.items()
         },
-        tributary_ends(joint_table(layout))[: layout.n_joints],
-        layout.contacts.length[: layout.n_joints],
-        {
+        ends=tributary_ends(joint_table(layout))[: layout.n_joints],
+        length_m=layout.contacts.length[: layout.n_joints],
+        events={
             point: pd.concat(
                 [life_of(done[point][number][0], draws[point], number) for number in numbers],
                 ignore_index=True,
             )
             for point in done
         },
-        pd.DataFrame(
+        settlement=pd.DataFrame(
             [{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]
         ),
-        _made_by(folder, [row for runs in rows.values() for row in runs]),
-        tuple(row["outside_validity"] or "" for runs in rows.values() for row in runs),
+        made_by=_made_by(folder, [row for runs in rows.values() for row in runs]),
+        outside=tuple(row["outside_validity"] or "" for runs in rows.values() for row in runs),
     )
 
 

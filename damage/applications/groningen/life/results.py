@@ -44,7 +44,8 @@ def life_study(folder, wall, address, options, lives):
     """
     points = {POINT: (address, options), LARGEST: (address | {"largest_alone": True}, options)}
     conclusion = {"conclusion": "python3 -m damage lives"}
-    return study_of_lives(Path(folder) / NAME, wall, points, lives, "life", conclusion)
+    path = Path(folder) / NAME
+    return study_of_lives(path, wall, points, lives, command="life", more=conclusion)
 
 
 def study_of_lives(path, wall, points, lives, command, more=MappingProxyType({})):
