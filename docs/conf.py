@@ -43,7 +43,7 @@ html_favicon = "_static/brick.svg"
 autodoc_preserve_defaults = True
 # what is inherited is described once; of an array it would be numpy's own
 autodoc_inherit_docstrings = False
-autodoc_default_options = {"members": True, "member-order": "bysource"}
+autodoc_default_options = {"member-order": "bysource"}
 add_module_names = False
 smartquotes = False  # they make a dash of two, as options have them
 nitpicky = False
@@ -53,8 +53,8 @@ _BLOCK = re.compile(r"^```{(modules|menu|readme)}(.*?)\n(.*?)```$", re.DOTALL | 
 
 def write_out(app, name, source):
     """Replace three blocks of Markdown: `readme FILE` by that file, with the picture that moves;
-    `modules`, names of modules, by a section with the docstrings of each; `menu README.md` by the
-    toctrees of the pages that its table links, a part each, and the reference of all modules."""
+    `modules` by a section a line; `menu README.md` by the toctrees of the pages that its table
+    links, a part each, and the reference of all modules."""
 
     def written(block):
         if block[1] == "readme":
@@ -63,12 +63,29 @@ def write_out(app, name, source):
             return text.replace("pictures/readme.png", "pictures/cracking.webp")
         if block[1] == "menu":
             return _menu((Path(app.srcdir) / block[2].strip()).read_text(encoding="utf-8"))
-        return "\n\n".join(
-            f"## {module}\n\n```{{eval-rst}}\n.. automodule:: {module}\n```"
-            for module in block[3].split()
-        )
+        return "\n\n".join(map(_module, re.split(r"\n(?! )", block[3].strip())))
 
     source[0] = _BLOCK.sub(written, source[0])
+
+
+def _module(line):
+    """The section of a module, whose line is `MODULE: NAME CLASS(METHOD ...) ...`: the docstrings
+    of the module and of these names; of a class with parentheses these methods alone."""
+    module, _, names = line.partition(":")
+    shown = re.findall(r"(\w+)(\([^)]*\))?", names)
+    whole = [name for name, methods in shown if not methods]
+    directives = [_directive(f"automodule:: {module}", whole)]
+    directives += [
+        _directive(f"autoclass:: {module}.{name}", methods.strip("()").split())
+        for name, methods in shown
+        if methods
+    ]
+    return "\n".join([f"## {module}\n\n```{{eval-rst}}", *directives, "```"])
+
+
+def _directive(what, members):
+    shown = f"   :members: {', '.join(members)}\n" if members else ""
+    return f".. {what}\n{shown}"
 
 
 def _menu(text):

@@ -60,6 +60,21 @@ class History:
     house: HouseRows of the history of a house, whose walls are unfolded side by side, None of a
     plane wall; `parts` has those of its walls.
     heard: what `damage.run` gave as warnings while it ran, texts with codes; none of a file.
+
+    >>> history.complete, history.loading.name, history.masonry_wall.length, history.model.top
+    (True, 'harmonic_0.2s_0.05g', 0.9, 'piers')
+    >>> history.sequence, [loading.peak_g for loading in history.event_loadings]
+    ((1.0,), [0.05])
+    >>> len(history.series), len(history.moving), history.time_step_s, vibrating.eigen_period_s
+    (21, 16, None, 0.1)
+    >>> round(float(history.joint_length_m.sum()), 2), history.plan.n_bricks  # [m]
+    (6.98, 27)
+    >>> history.is_intact, history.active.joints.tolist(), history.states.joints.tolist()
+    (False, [0, 1, 5], [0, 1, 5])
+    >>> history.is_house, [wall.wall for wall in houses.parts]
+    (False, ['front', 'side'])
+    >>> houses.of_wall("front").of_face("outside").path.name
+    'house:front:outside.h5'
     """
 
     path: Path

@@ -269,6 +269,14 @@ def advance(
     opening: at the end of the step [m], negative under compression; shear_increment: shear
     displacement in the step [m]; state: ContactState before it; parameters: LawParameters.  Returns
     (ContactState, INTACT | TENSION | SHEAR).
+
+    >>> brittle = LawParameters(1e12, 4e11, 0.2e6, 0.24e6, Material(0.6))
+    >>> state, event = advance(0.1e-6, 0.0, ContactState(), brittle)
+    >>> round(state.normal_stress), event == INTACT  # [Pa]
+    (100000, True)
+    >>> state, event = advance(0.3e-6, 0.0, state, brittle)
+    >>> state.normal_stress, state.broken, event == TENSION
+    (0.0, True, True)
     """
     closure, work = crush(opening, state, parameters)
     new, event = advance_uncrushed(opening + closure, shear_increment, state, parameters)

@@ -40,7 +40,12 @@ def cycle_measures(history: History) -> tuple | None:
 def drift_cycles(history: History) -> tuple[np.ndarray, np.ndarray]:
     """Start and end of the cycles of the drift in the last event of a History, two arrays (k, 2)
     [s]: of those that begin while the base moves, and of those that begin afterwards.  A cycle
-    lasts from one upward zero crossing of the drift ratio to the next."""
+    lasts from one upward zero crossing of the drift ratio to the next.
+
+    >>> driven, free = drift_cycles(vibrating)
+    >>> len(driven), free.round(3).tolist()
+    (0, [[0.1, 0.2], [0.2, 0.3]])
+    """
     series = history.moving[history.moving["shock"] == history.series["shock"].iloc[-1]]
     crossings = upward_crossings(series["time_s"], series["drift_ratio"])
     cycles = np.column_stack([crossings[:-1], crossings[1:]])
@@ -77,7 +82,11 @@ CYCLES = {
 
 def cycles_table(history: History) -> pd.DataFrame:
     """Table of the cycles of a History, a DataFrame: for each event the driven cycles, then the
-    free ones.  columns: CYCLES."""
+    free ones.  columns: CYCLES.
+
+    >>> cycles_table(vibrating)[["kind", "duration_s", "max_drift_ratio"]].round(4).values.tolist()
+    [['free', 0.1, 0.001], ['free', 0.1, 0.001]]
+    """
     values = index_by_all(history).assign(
         drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"]
     )
@@ -231,7 +240,11 @@ def upward_crossings(time_s: np.ndarray, value: np.ndarray, rearm: float = REARM
 
 @measure({"period_s": Column("s", "natural period of a run in free vibration")})
 def period_of(history: History) -> float | None:
-    """Natural period of a History of free vibration [s]; None for another loading."""
+    """Natural period of a History of free vibration [s]; None for another loading.
+
+    >>> round(period_of(vibrating)["period_s"], 4)
+    0.1
+    """
     if not history.loading.drive.first_mode_m_s:
         return None
     return natural_period(

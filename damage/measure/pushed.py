@@ -120,6 +120,10 @@ def hand_capacities(wall: Wall, boundary: str) -> dict[str, float]:
     b / (1 + 2 mu h / l) for bricks of length l and height h, with b = 1.5 for a parabolic shear
     stress in brittle joints, and where joints soften the height of the wall over its length, from 1
     to 1.5 (Turnšek and Sheppard 1980).  Empty for a wall with an outline, floors or restraints.
+
+    >>> forces_n = hand_capacities(Wall("pier", 0.9, 1.5), "cantilever")
+    >>> {mode: round(force / 1e3, 1) for mode, force in forces_n.items()}  # [kN]
+    {'rocking': 8.0, 'sliding_top': 17.4, 'sliding_base': 18.9, 'diagonal': 18.9}
     """
     if wall.outline or wall.floors or wall.restraints:
         return {}

@@ -148,6 +148,9 @@ def summarise(
 
 def evidence_of(history: History) -> pd.DataFrame:
     """The range of validity (`docs/model/validity.md`) of a History, a DataFrame, a row a quantity:
-    value, least, most, unit and whether this run is inside, None where the quantity does not
-    apply."""
+    value, least, most, unit and whether this run is inside, None where the quantity does not apply.
+
+    >>> evidence_of(history).loc["drift", ["least", "most", "unit", "inside"]].tolist()
+    [0.0, 0.3, '%', True]
+    """
     return pd.DataFrame(summarise(history)["evidence"]).T.rename_axis("quantity")

@@ -24,8 +24,11 @@ LEAST_SAMPLES = 10
 
 def warnings_of(history: History) -> list[Warned]:
     """Conditions under which the results of a History are doubtful, a list of Warned: texts with a
-    `code`; those that `damage.run` gave first.  Of one without a sample: those of its static
-    stage."""
+    `code`; those that `damage.run` gave first.  Of one without a sample: those of its static stage.
+
+    >>> [warning.code for warning in warnings_of(history)]
+    []
+    """
     if len(history.series) == 0:
         return [
             *history.heard,

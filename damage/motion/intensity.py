@@ -431,6 +431,12 @@ def motion_summary(loading, eigen_period_s: float | None = None) -> dict:
     "gravity_m_s2", 1 g; "scale", "window_s", "baseline_order" and "band_hz" as given; "time_step_s"
     of the record, "interpolated_for_s", "lost_by_lines" and "late_s" of the Recorded; "filtered",
     the names of the measures that are of a band-passed motion: all of them or none.
+
+    >>> from damage.motion.loading import Recorded
+    >>> pulse = Record("pulse", 0.01, np.sin(np.arange(101) / 5))
+    >>> measures = motion_summary(Recorded(pulse, scale=2.0), eigen_period_s=0.2)
+    >>> round(measures["pga_g"], 3), round(measures["sa_eigen_period_g"], 3)
+    (0.204, 0.479)
     """
     if eigen_period_s is not None:
         loading = loading.for_period(eigen_period_s)
@@ -486,7 +492,13 @@ def late_lines(late_s: dict[str, float]) -> list[str]:
 
 
 def describe(values: dict) -> str:
-    """A `motion_summary` as lines for people."""
+    """A `motion_summary` as lines for people.
+
+    >>> from damage.motion.loading import Recorded
+    >>> pulse = Record("pulse", 0.01, np.sin(np.arange(101) / 5))
+    >>> describe(motion_summary(Recorded(pulse))).splitlines()[0]
+    'motion as applied: pulse_x1; 1 g = 9.81 m/s2'
+    """
     names = list(values)
     measures = {
         name: values[name] for name in names[names.index("filtered") + 1 :] if name not in _SPECTRA

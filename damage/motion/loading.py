@@ -92,6 +92,12 @@ class Loading:
     a record before it was interpolated for a wall [g]; lost_by_lines: of an
     interpolated record, else None; moves: whether there is a motion at all. Every one has a name,
     too, and as_dict(): everything that defines the motion, fit for JSON.
+
+    >>> swing = FreeVibration(top_velocity_m_s=0.01)
+    >>> swing.name, swing.drive.first_mode_m_s, swing.length_s(2.7), swing.preferred_step_s(1e-4)
+    ('free_vibration_0.01m_s', 0.01, 0.0, 0.0001)
+    >>> swing.for_period(0.2) is swing, swing.applied(), swing.applied_across()
+    (True, None, None)
     """
 
     name: str
@@ -137,6 +143,10 @@ class Harmonic(Loading):
     """Horizontal base acceleration: a sine from zero, a whole number of cycles.
 
     period_s [s]; amplitude_g [g]; cycles: how many.
+
+    >>> sine = Harmonic(period_s=0.2, amplitude_g=0.05)
+    >>> sine.name, round(sine.duration_s, 3), sine.peak_g  # [s], [g]
+    ('harmonic_0.2s_0.05g', 0.6, 0.05)
     """
 
     period_s: float = quantity(
@@ -249,6 +259,20 @@ class Recorded(Loading):
     band_hz: corners of the zero-phase band-pass [Hz], or None.
     interpolated_for_s: first period [s] of the wall for which both components are interpolated,
         band-limited (`for_period`), or None: lines between the record's samples.
+
+    >>> along = Record("along", 0.01, np.sin(np.arange(101) / 5))
+    >>> across = Record("across", 0.01, np.cos(np.arange(101) / 5))
+    >>> motion = Recorded(along, scale=2.0, window_s=(0.2, 0.8), across=across)
+    >>> motion.name, round(motion.duration_s, 3), round(motion.record_pga_g, 3)  # [s], [g]
+    ('along_x2_0.2-0.8s', 0.6, 0.204)
+    >>> len(motion.components), motion.late_s, len(motion.motion), motion.applied().name
+    (2, {}, 1, 'along')
+    >>> motion.base_acceleration(np.array([0.0, 0.6])).round(2).tolist()  # [m/s2]
+    [[-1.51, 0.0], [-0.58, 0.0]]
+    >>> round(motion.preferred_step_s(0.003), 5), motion.applied_across().duration_s  # [s]
+    (0.0025, 0.6)
+    >>> round(motion.for_period(0.05).lost_by_lines, 3), motion.as_dict()["horizontal"]["record"]
+    (0.125, 'along')
     """
 
     record: Record
@@ -516,6 +540,14 @@ class TopDisplacement(Loading):
     floor_shares: ((level [m], share [-]), ...): push by a spreader beam on these floors instead,
         with forces that keep their ratio; the drift is that of their resultant: the mean
         displacement of the floors by their shares, over the mean of their heights.
+
+    >>> push = TopDisplacement((0.1,), cycles=0, boundary="fixed")
+    >>> push.name, push.turning_points(2.0).round(4).tolist(), round(push.length_s(2.0), 3)
+    ('pushover_0.1pct_fixed', [0.002], 0.5)
+    >>> [values.round(4).tolist() for values in push.schedule(2.0)]  # [s], [m]
+    [[0.0, 0.4, 0.5], [0.0, 0.002, 0.002]]
+    >>> push.top_displacement(np.array([0.0, 0.2, 9.0]), 2.0).round(4).tolist()  # [m]
+    [0.0, 0.0008, 0.002]
     """
 
     amplitudes_pct: tuple[float, ...] = text(
@@ -603,10 +635,6 @@ class TopDisplacement(Loading):
 
         The mean of the schedule over the last EASE_S: the speed changes linearly, every turning
         point is reached.
-
-        >>> push = TopDisplacement((0.1,), cycles=0)
-        >>> push.top_displacement(np.array([0.0, 9.0]), 2.0).round(4).tolist()
-        [0.0, 0.002]
         """
         times, points = self.schedule(height)
         areas = np.concatenate([[0.0], np.cumsum((points[1:] + points[:-1]) / 2 * np.diff(times))])
@@ -621,11 +649,7 @@ class TopDisplacement(Loading):
         return (area(time_s) - area(time_s - EASE_S)) / EASE_S
 
     def length_s(self, height: float) -> float:
-        """Time of the motion's end [s].
-
-        >>> round(TopDisplacement((0.1,), cycles=0).length_s(2.0), 3)
-        0.5
-        """
+        """Time of the motion's end [s]."""
         return float(self.schedule(height)[0][-1])
 
     def schedule(self, height: float) -> tuple[np.ndarray, np.ndarray]:

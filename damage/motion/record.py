@@ -59,6 +59,10 @@ class Record:
     first_s: time of the first sample by the file's own column, which counts where no file says
         start_utc [s].
     late_s: by how much it began later than the component on whose time axis it is [s].
+
+    >>> pulse = Record("pulse", 0.01, [0.0, 1.0, 0.0], start_utc="2018-01-08T14:00:52Z")
+    >>> pulse.duration_s, pulse.time_s.tolist(), pulse.start_utc
+    (0.02, [0.0, 0.01, 0.02], '2018-01-08T14:00:52.000000Z')
     """
 
     name: str

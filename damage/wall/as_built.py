@@ -156,7 +156,7 @@ def describe_lintels(plan):
             if place.lintel.kind == "arch"
             else (
                 f"{place.width:.3g} x {place.height:.3g} m, modulus"
-                f" {place.lintel.of('modulus') / 1e9:.3g} GPa"
+                f" {place.lintel.value_of('modulus') / 1e9:.3g} GPa"
             )
         )
         lines.append(

@@ -28,6 +28,12 @@ class Floor:
     of the span on each side that bears on it, from which `on` works out the mass; left, right [m]:
     of the part of the wall that it rests on, right None for the wall's end; kind: "timber" or
     "concrete" (`damage.wall.floors`); depth [m]: of a concrete slab, laid to whole courses.
+
+    >>> from damage.wall.parameters import Wall
+    >>> floor = Floor(2.7, mass_per_area=300.0, tributary_width=2.0, kind="concrete")
+    >>> wall = Wall("front", 4.0, 3.0, floors=[floor])
+    >>> wall.floors[0].mass, floor.span(wall), floor.courses(wall), floor.is_body  # [kg], [m]
+    (2400.0, (0.0, 4.0), (34, 36), True)
     """
 
     level: float = quantity("m", 1e-3, 1000.0, (0.03, 50), "on the base course; a tower")

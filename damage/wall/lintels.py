@@ -72,6 +72,13 @@ class Lintel:
     each side, laid to quarters of a brick; modulus [Pa]; density [kg/m3]; width [m]: of the beam's
     section, by default the wall's thickness.  None: as `USUAL` and `BEARING` say, the bearing of an
     arch a brick's height.
+
+    >>> from damage.wall.parameters import Brick
+    >>> lintel = Lintel("timber", bearing=0.2)
+    >>> lintel.built(Brick()), lintel.courses(Brick()), lintel.is_body  # [m], courses
+    ((0.15, 0.1025, 0.2), 2, True)
+    >>> lintel.value_of("modulus"), lintel.as_dict()  # [Pa]
+    (11000000000.0, {'kind': 'timber', 'bearing': 0.2})
     """
 
     kind: str = choice(KINDS_OF_LINTELS, default="concrete")
@@ -118,14 +125,14 @@ class Lintel:
         """Whether it is bodies of its own."""
         return self.kind != "courses"
 
-    def of(self, name: str) -> float:
+    def value_of(self, name: str) -> float:
         """A value, or the usual one of its kind."""
         given = getattr(self, name)
         return getattr(USUAL[self.kind], name) if given is None else given
 
     def built(self, brick) -> tuple[float, float, float]:
         """Height, width and bearing [m] in a wall of these bricks."""
-        height = self.of("height") or brick.length
+        height = self.value_of("height") or brick.length
         bearing = (
             self.bearing
             if self.bearing is not None
@@ -140,11 +147,7 @@ class Lintel:
         return max(1, round(self.built(brick)[0] / brick.height))
 
     def as_dict(self) -> dict:
-        """What is given, for files.
-
-        >>> Lintel("steel").as_dict()["kind"]
-        'steel'
-        """
+        """What is given, for files."""
         return {name: value for name, value in vars(self).items() if value is not None}
 
 
@@ -215,7 +218,7 @@ def mass_per_length(brick, place: LintelPlace) -> float:
     """Mass of a lintel along its length [kg/m], in a wall of these bricks."""
     if place.lintel.kind == "arch":
         return brick.density * brick.thickness * ((place.above - place.first) * brick.height)
-    return place.lintel.of("density") * place.width * place.height
+    return place.lintel.value_of("density") * place.width * place.height
 
 
 def cut_places(place: LintelPlace) -> tuple[np.ndarray, float]:
@@ -229,7 +232,7 @@ def cut_stiffness(brick, place: LintelPlace, x: float) -> tuple[float, float]:
     wide as the wall."""
     cut = int(np.abs(np.array(place.edges) - x).argmin())
     distance = (place.edges[cut + 1] - place.edges[cut - 1]) / 2
-    modulus = place.lintel.of("modulus") * place.width / brick.thickness
+    modulus = place.lintel.value_of("modulus") * place.width / brick.thickness
     return (
         modulus / distance,
         SHEAR_SHARE * modulus / USUAL[place.lintel.kind].shear_ratio / distance,

@@ -33,7 +33,7 @@ NO_COHESION = (
     "bricks have a cohesion no longer; expected their tensile strength f_t alone, with which they"
     " bear diagonal tension, too: leave the cohesion out, and give fracture_energy"
 )
-"""What is said of a wall of an older version."""
+"""Message about a wall of an older version."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,9 @@ class Brick:
         tension (`damage.wall.split`); None for bricks that do not split, as in the paper.
     fracture_energy [J/m2]: what the cut takes until it has split; None or 0 for a brittle one;
         "rule": by `splitting_energy`.
+
+    >>> Brick().splits, Brick(tensile_strength=1e6).splits
+    (False, True)
     """
 
     length: float = quantity(
@@ -152,6 +155,10 @@ class Joint:
     as in the paper.
     compressive_fracture_energy [J/m2]: what crushing takes until no strength is left; None or 0
         where the strength stays; "rule": by `crushing_energy`.
+
+    >>> joint = Joint(mode_i_fracture_energy="rule", mode_ii_fracture_energy="rule")
+    >>> round(joint.mode_i_fracture_energy, 1), joint.softens, joint.is_beyond_apex
+    (13.6, True, False)
     """
 
     normal_stiffness: float = quantity(
@@ -372,7 +379,8 @@ class Opening:
     """A rectangular opening: left edge and sill [m] from the wall's lower left corner, width and
     height [m].  Height and level are laid to whole courses (`Wall.opening_courses`); in length its
     edges stay as given.  lintel: a damage.wall.lintels.Lintel or its kind, None for that of the
-    wall."""
+    wall.
+    """
 
     left: float = quantity("m", 0.0, LONGEST_M)
     width: float = quantity("m", 1e-3, LONGEST_M, (0.03, 50), "a vent; the gate of a hall")
@@ -410,6 +418,13 @@ class Wall:
     a column of courses whose `length` is the wall's thickness, `brick.length` twice that and
     `brick.thickness` the width of the strip, under a restraint of its top
     (docs/guides/own-wall.md).
+
+    >>> door = Opening(left=0.6, width=0.8, height=1.0, lintel="timber")
+    >>> wall = Wall("shed", length=2.0, height=1.52, openings=[door], precompression=0.1e6)
+    >>> wall.courses, round(wall.built_height, 3), wall.opening_courses(door)  # courses, [m]
+    (20, 1.5, (0, 13))
+    >>> round(wall.top_mass), wall.lintel_of(door).kind  # [kg]
+    (2090, 'timber')
     """
 
     KIND: ClassVar = "wall"

@@ -164,8 +164,8 @@ def test_the_mass_is_that_of_what_is_drawn(table, top):
     # of its own height, where it has all courses that it wants
     if lintel.is_body and lintel.kind != "arch":
         wanted = brick.height * lintel.courses(brick)
-        density = lintel.of("density")
-        section = np.where(section > wanted - 1e-6, lintel.of("height"), section)
+        density = lintel.value_of("density")
+        section = np.where(section > wanted - 1e-6, lintel.value_of("height"), section)
     masonry = (
         brick.density * brick.thickness * np.sum(bodies.length[bricks] * bodies.height[bricks])
     )

@@ -228,8 +228,8 @@ def below(layout, x):
 def deflection(lintel, span, beyond):
     """Deflection [m] of the middle below the bearings by the beam's weight."""
     width = lintel.width or BRICK.thickness
-    young = lintel.of("modulus")
-    density = lintel.of("density")
+    young = lintel.value_of("modulus")
+    density = lintel.value_of("density")
     load = density * GRAVITY * width * lintel.height
     bending = young * width * lintel.height**3 / 12
     shear = 5 / 6 * young / USUAL[lintel.kind].shear_ratio * width * lintel.height

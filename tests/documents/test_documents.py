@@ -2,6 +2,11 @@
 
 import re
 from fnmatch import fnmatch
+from functools import cached_property
+from importlib import import_module
+from inspect import isclass, isfunction
+from pathlib import Path
+from types import FunctionType
 
 from conftest import REPOSITORY, run_command
 
@@ -147,6 +152,45 @@ def test_every_document_is_in_the_index():
         link for link in LINK.findall(index) if link.endswith(".md") and not link.startswith("..")
     }
     assert linked == {page for page in PAGES if not page.startswith("api/")}
+
+
+def reference():
+    """(module, name, methods in parentheses or "") of all that the reference shows."""
+    pages = sorted((REPOSITORY / "docs" / "api").glob("*.md"))
+    blocks = re.findall(
+        r"^```{modules}\n(.*?)\n```",
+        "\n".join(map(Path.read_text, pages)),
+        re.MULTILINE | re.DOTALL,
+    )
+    for line in (line for block in blocks for line in re.split(r"\n(?! )", block)):
+        module, _, names = line.partition(":")
+        yield from ((module, *shown) for shown in re.findall(r"(\w+)(\([^)]*\))?", names))
+
+
+def without_example(module, name, methods):
+    """The name of a function, or those of a class's methods, that no example calls: methods are
+    called in their own docstring or in that of their class."""
+    shown = getattr(import_module(module), name)
+    if isfunction(shown):
+        return [] if ">>>" in shown.__doc__ else [name]
+    if not isclass(shown):
+        return []
+    kinds = FunctionType, property, cached_property
+    documented = [
+        name
+        for name, value in vars(shown).items()
+        if isinstance(value, kinds) and value.__doc__ and not name.startswith("_")
+    ]
+    calls = " ".join(re.findall(r"(?:>>>|\.\.\.)(.*)", shown.__doc__))
+    return [
+        method
+        for method in (methods.strip("()").split() if methods else documented)
+        if f".{method}" not in calls and ">>>" not in getattr(shown, method).__doc__
+    ]
+
+
+def test_all_that_the_reference_shows_has_an_example():
+    assert [missing for shown in reference() for missing in without_example(*shown)] == []
 
 
 def one_file(name):

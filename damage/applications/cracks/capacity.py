@@ -73,6 +73,9 @@ def backbone(history: History, sign: int = 1) -> pd.DataFrame:
     earlier ones.  The branch between two cycles is left out: a wall that slides has its full force
     in the other direction before it is back at zero drift, so that the samples of an `envelope`
     begin with that force.
+
+    >>> backbone(cyclic).iloc[-1].round(3).to_dict()
+    {'drift_ratio': 0.002, 'force_n': 824.844}
     """
     force, drift = (sign * values for values in since_the_push(history)[:2])
     edges = cycle_edges(history)
@@ -160,7 +163,11 @@ def bilinear(curve: pd.DataFrame, height: float) -> dict[str, float]:
 def loaded_curves(history: History) -> dict[str, pd.DataFrame]:
     """{"positive": curve, "negative": curve}, the `capacity_curve` of a History in each direction
     in which it was loaded; that of a push is `averaged` over WINDOWS windows of the drift.  Raises
-    InputError where there is none."""
+    InputError where there is none.
+
+    >>> {side: round(curve["force_n"].max()) for side, curve in loaded_curves(cyclic).items()}
+    {'positive': 825, 'negative': 825}
+    """
     cyclic = pushed_loading(history).cycles > 0
     curves = {
         side: capacity_curve(history, sign)
@@ -278,6 +285,9 @@ def cycles_table(history: History) -> pd.DataFrame:
     A cycle is a loop of base shear and drift (`loop_measures`).  The index is that at the samples
     of largest drift in either direction, not a running maximum.  Raises InputError for another
     loading.
+
+    >>> cycles_table(cyclic)[["cycle", "amplitude_pct", "max_force_kn"]].round(2).values.tolist()
+    [[1.0, 0.2, 0.82], [2.0, 0.2, 0.82], [3.0, 0.2, 0.82]]
     """
     loading = pushed_loading(history)
     index = history.index()

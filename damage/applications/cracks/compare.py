@@ -297,7 +297,11 @@ def cohens_kappa(first: np.ndarray, second: np.ndarray) -> float | None:
 
 
 def describe(result: dict) -> str:
-    """The result of `compare` as text, a line each for people."""
+    """The result of `compare` as text, a line each for people.
+
+    >>> describe(compare(history, [history])).splitlines()[-1]
+    'verdict: within the tolerances'
+    """
     lines = [
         f"first:  {result['first']}",
         *(f"others: {path}" for path in result["others"]),
