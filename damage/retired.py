@@ -30,8 +30,13 @@ RETIRED = {
         " joints' strengths"
     ),
     "past-collapse": Retired(
-        "--past-collapse was removed in 0.2; give --new-contacts with --after-fall, which follow"
-        " bricks until they rest"
+        "--past-collapse was removed in 0.2; give --after-fall in YADE, which follows bricks until"
+        " they rest"
+    ),
+    "new-contacts": Retired(
+        "--new-contacts was removed in 0.2; bricks whose joints have ended collide in YADE: leave"
+        " it out, and run the wall with ./yade",
+        default=False,
     ),
     "opensees": Retired(
         "--opensees of export was removed in 0.2; history.joints of a run has each contact point's"

@@ -24,7 +24,6 @@ PROGRAMS = (
     "dic_field",
     "dilatancy",
     "document_figures",
-    "falls",
     "houses",
     "laboratory",
     "repeated_loading",

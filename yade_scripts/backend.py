@@ -20,7 +20,7 @@ def backend_with(engines):
         versions["yade_engines"] = ", ".join(map(name_of, engines))  # they may have moved the wall
 
     def make(layout, time_step, settings):
-        solver = YadeSolver(layout, time_step, settings.new_contacts)
+        solver = YadeSolver(layout, time_step)
         Scene(layout, solver, settings.console)
         # at the end of a step positions and forces are of the same time
         O.engines = [*O.engines, *engines]

@@ -21,6 +21,7 @@ from yade_scripts.space import SpaceReader
 TIP = 5e-4  # [m], radius: beyond this depth, at 33 MPa, a tip would be assigned to another face
 _POINT = 1e-3  # [m], radius of bond members, without effect
 CORNER = 1e-3  # [m], radius of the spheres in the corners, the contacts of loose bricks
+INSET = 5e-4  # [m], of corners from the faces, so that they do not touch while joints hold
 # [m], a contact point closer to the end of a face than this has its tip on that brick
 _MARGIN = 1e-2
 REACH = 3e-2  # [m], extension of a face where the contact point lies at the ends of both faces
@@ -32,9 +33,9 @@ SEEN = 1
 FACE = 2
 
 
-def parts_of(layout, corner_depth):
+def parts_of(layout):
     """The Parts of a Layout, or the HouseParts of a HouseLayout."""
-    return (HouseParts if layout.IN_SPACE else Parts)(layout, corner_depth)
+    return (HouseParts if layout.IN_SPACE else Parts)(layout)
 
 
 class Parts:
@@ -51,9 +52,8 @@ class Parts:
     IN_A_ROW = 1  # contact points through the thickness
     reader = SceneReader
 
-    def __init__(self, layout, corner_depth):
+    def __init__(self, layout):
         self.layout = layout
-        self._corner_depth = corner_depth
         self.waiting = {}
         self.corners = []
         self._places, self._normals, self._reach = layout.places
@@ -258,7 +258,7 @@ class HouseParts(Parts):
         box.state.mass = mass
         box.state.inertia = mass * Vector3(1, 2, 3)
         tips = [self._waiting_tip(tip) for tip in self._tips_of(body).values()]
-        inset = CORNER + self._corner_depth
+        inset = CORNER + INSET
         corners = corner_places(self.layout, body, inset, across=(-1, 1))
         return tips + [ball(place, CORNER, self.tip) for place in corners]
 

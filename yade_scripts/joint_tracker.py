@@ -3,8 +3,7 @@ offset, shear limit, friction work and fracture energy.
 
 Offset is the shear displacement of a failed joint less its elastic part, open or closed.  Slip is
 the part of it that accumulates while the contact is closed; it is constant while the contact is
-open, and over a sample in which it opens or closes.  A joint ends where its faces cease to overlap
-or, with new contacts, gape by twice the radius of a brick's corners at all of its contact points;
+open, and over a sample in which it opens or closes.  A joint ends where its faces cease to overlap;
 it then keeps its state.
 
 Shear in a house is complex: that of the wall's plane, and i times that across it.
@@ -17,7 +16,6 @@ import numpy as np
 from damage.errors import InputError
 from damage.law.joint_law import friction_left, material_of
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED
-from damage.wall.kinematics import CORNER_RADIUS
 
 FOLLOWED = {
     "friction",
@@ -75,7 +73,7 @@ class JointTracker:
     bonds that soften [J].
     """
 
-    def __init__(self, layout, threshold, new_contacts=False):
+    def __init__(self, layout, threshold):
         n = layout.n_joints
         contacts = layout.contacts
         self.friction = frictions(layout, True)[:n]
@@ -89,10 +87,6 @@ class JointTracker:
         self.broken, self.at_limit, self.crushed, self.ended = np.zeros((4, n), bool)
         self.friction_energy = self.breaking_energy = self.fracture_energy = 0.0
         self._slide = layout.slide_limits[:, :n]
-        self._gape = 2 * CORNER_RADIUS * layout.wall.brick.length if new_contacts else np.inf
-        sides = np.column_stack([contacts.first, contacts.second])[:n]
-        _, joint, self._points = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
-        self._joint = joint.reshape(-1)  # number of the joint that a contact point is of
         self._open = np.zeros(n, bool)
         (self._stress, self._plastic) = np.zeros((2, n), shear)
         self._passed = {"opened": np.zeros(n, bool), "slipped": np.zeros(n, bool)}
@@ -186,9 +180,6 @@ class JointTracker:
         self.ended[joints] = self.broken[joints] & (
             (np.real(shear) <= least) | (np.real(shear) >= most)
         )
-        if np.isfinite(self._gape):
-            gapes = self.ended | (self.broken & (self.opening > self._gape))
-            self.ended |= (np.bincount(self._joint, gapes) == self._points)[self._joint]
         return self._first_passings()
 
     def _first_passings(self):

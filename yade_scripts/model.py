@@ -28,6 +28,7 @@ from damage.units import GRAVITY
 from yade_scripts.bodies import (
     CORNER,
     FACE,
+    INSET,
     REACH,
     SEEN,
     TIP,
@@ -45,7 +46,6 @@ LEAST_STRENGTH = 1e-6
 # [-], least radius of a tip over the depth at which its joint crushes, below which it is replaced
 _DEEP = 1.5
 _ON_SOIL = 4.0  # [-], largest depth of a tip on soil over the mean static one
-_INSET = 5e-4  # [m], of corners from the faces, so that they do not touch while joints hold
 _CRUSHED_INSET = 5e-3  # [m], the same where joints can crush, which brings bricks closer
 _IMPACT_DAMPING = 0.2  # [-], of loose bricks' contacts over the critical, once a brick has fallen
 
@@ -65,7 +65,7 @@ class YadeWall:
     rotated by a right angle, else -1 (n_contacts,).
     """
 
-    def __init__(self, layout, parts, bonds, newton, law, work, corner_depth):
+    def __init__(self, layout, parts, bonds, newton, law, work):
         self.layout = layout
         self.bonds = bonds
         self.newton = newton
@@ -114,9 +114,7 @@ class YadeWall:
             self._depth[base] += _ON_SOIL * layout.total_mass * GRAVITY / stiffness
         self.closure = np.zeros(n)
         self._tip_of = {}
-        inset = _CRUSHED_INSET if self._depth.any() else _INSET
-        # of the faces' overlap [m], from which corners touch
-        self._corner_depth = max(corner_depth, inset)
+        self._corners_inset = _CRUSHED_INSET if self._depth.any() else INSET
         self.corners = set()  # ids of the spheres in the bricks' corners
         self.gone = set()  # joints whose dry contact is out of reach
 
@@ -256,7 +254,7 @@ class YadeWall:
                 O.bodies[corner].mask = SEEN
             members.extend(corners)
             self.corners.update(corners)
-        inset = CORNER + self._corner_depth
+        inset = CORNER + self._corners_inset
         for body in range(len(self._corners_waiting), len(self.layout.bodies)):
             balls = [
                 ball(place, CORNER, self._material)
@@ -362,11 +360,10 @@ def _ease(contact, closure):
         O.forces.addT(body, (geom.contactPoint - O.bodies[body].state.pos).cross(on_it))
 
 
-def build(layout, dt, corner_depth=0.0):
+def build(layout, dt):
     """Build a wall in YADE's scene, which is cleared; returns a YadeWall.
 
-    dt: time step [s]; corner_depth: overlap with a face from which a loose brick's corner touches
-    it [m], at least that of YadeWall.
+    dt: time step [s].
     """
     O.reset()
     O.dt = dt
@@ -396,7 +393,7 @@ def build(layout, dt, corner_depth=0.0):
         [law, friction, damped],
     )
     O.engines = [yade.ForceResetter(), collider, loop, newton]
-    parts = parts_of(layout, max(corner_depth, _INSET))
+    parts = parts_of(layout)
     parts.place(newton)
     bonds = list(starmap(utils.createInteraction, parts.ends))
     for index, (bond, slope) in enumerate(zip(bonds, frictions(layout, False).tolist())):
@@ -410,7 +407,6 @@ def build(layout, dt, corner_depth=0.0):
         newton=newton,
         law=law,
         work=work,
-        corner_depth=corner_depth,
     )
 
 

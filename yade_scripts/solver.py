@@ -16,7 +16,6 @@ from damage.index import THRESHOLD
 from damage.law.joint_law import SHEAR, TENSION
 from damage.run.schedule import JOINT_STEPS
 from damage.run.solver import NO_MOTION, Instants, Solver
-from damage.wall.kinematics import CORNER_RADIUS
 from damage.wall.restraints import top_of
 from yade_scripts import checkpoint
 from yade_scripts.bonds import Bonds
@@ -51,14 +50,12 @@ class YadeSolver(Solver):
     """A wall in YADE as Solver of a Run; methods without a docstring:
     `damage.run.solver.Solver`."""
 
-    def __init__(self, layout, time_step, new_contacts=False):
+    def __init__(self, layout, time_step):
         self.layout = layout
         self.time_step = time_step
-        self.model = build(
-            layout, time_step, CORNER_RADIUS * layout.wall.brick.length if new_contacts else 0.0
-        )
+        self.model = build(layout, time_step)
         self.scene = self.model.reader(self.model)
-        self.tracker = JointTracker(layout, THRESHOLD, new_contacts)
+        self.tracker = JointTracker(layout, THRESHOLD)
         self.crushing = Crushing(self.scene)
         self.bonds = Bonds(self.scene, self.tracker)
         self.ties = Ties(self.scene)

@@ -157,8 +157,8 @@ def heap_picture(history: History) -> Figure:
     """
     if not has_heap(history):
         raise InputError(
-            f"{history.path} follows no brick beyond a collapse; expected a run with --new-contacts"
-            " --after-fall whose wall fell; run it again with both"
+            f"{history.path} follows no brick beyond a collapse; expected a run in YADE with"
+            " --after-fall whose wall fell; run it again with it"
         )
     motion = history.displacement[-1].astype(float)
     before = body_corners(history.bodies)

@@ -20,7 +20,6 @@ OF_RUNS = {
     ),
     "joints without bond": lambda settings: settings.joints_without_bond,
     "--after-fall": lambda settings: settings.after_fall,
-    "--new-contacts": lambda settings: settings.new_contacts,
     "--mass-scaling": lambda settings: settings.scales,
 }
 

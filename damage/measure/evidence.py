@@ -200,7 +200,7 @@ QUANTITIES = (
         name="slip of a joint",
         supported="{range}",
         evidence="[slides, rocking](../validation/verification.md)",
-        beyond="bricks find no new contacts without [`--new-contacts`](model.md#new-contacts)",
+        beyond="bricks find new contacts [in YADE](yade.md#loose-bricks) alone",
         value=_result("max_offset_mm"),
         most=10.0,
         unit="mm",
@@ -216,9 +216,9 @@ QUANTITIES = (
     Quantity(
         name="bricks followed after a fall",
         supported="{range}: up to the first brick that drops by half its height",
-        evidence="both solvers, within 0.03 s",
-        beyond="the index ends; [`--new-contacts --after-fall`](model.md#new-contacts) "
-        "follows loose bricks in both solvers; no collapse has been compared with a test",
+        evidence="none",
+        beyond="the index ends; [`--after-fall`](yade.md#loose-bricks) follows loose bricks in"
+        " YADE; no collapse has been compared with a test",
         value=lambda run: run.followed,
         most=0.0,
     ),

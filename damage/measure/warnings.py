@@ -142,24 +142,17 @@ def warn_of_ends(history: History) -> list[str]:
     ended = ended_joints(history)
     if ended is None:
         return []
-    collide = bool(history.parameters.get("new_contacts"))
     others = (
         "bricks that meet anew touch at corners and faces alone"
         if history.solver == "yade"
-        else (
-            "the bricks collide as rectangles with rounded corners"
-            if collide
-            else (
-                "bricks find no new contacts, so that results of bricks there are not valid from"
-                " then on; give --new-contacts"
-            )
-        )
+        else "bricks find no new contacts, so that results of bricks there are not valid from then"
+        " on; in YADE they collide"
     )
     count, row, sample = ended
     first = f"{count} joints ended, the first" if count > 1 else "1 joint ended,"
     return [
-        f"{first} {_at(history, row, sample)}: its faces no longer overlap"
-        f"{' or are apart' if collide else ''}, it has no forces any more; {others}"
+        f"{first} {_at(history, row, sample)}: its faces no longer overlap, it has no forces any"
+        f" more; {others}"
     ]
 
 

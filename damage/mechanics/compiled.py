@@ -43,7 +43,6 @@ SOURCES = [
         "rows",
         "contacts",
         "bonds",
-        "collisions",
         "samples",
         "strain_modes",
         "damping",

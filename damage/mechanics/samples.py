@@ -12,7 +12,6 @@ from damage.law.joint_law import elastic_energy
 from damage.law.states import AT_LIMIT, BROKEN, CRUSHED, ENDED, ENDING
 from damage.mechanics import contacts
 from damage.mechanics.bodies import energies_of_modes, kinetic_energy
-from damage.mechanics.collisions import energy_stored
 from damage.mechanics.compiled import compiled, inlined
 from damage.mechanics.rows import (
     bench_of,
@@ -32,7 +31,7 @@ from damage.mechanics.tables import HAS_FAILED, INPUT, RIGID, ROTATION, X, Z
 KINETIC = 0
 """Index of the kinetic energy [J] in the totals; `System.energy` follows."""
 ELASTIC = 5
-"""Index of the elastic energy of deformable bricks and of loose contacts [J] in the totals."""
+"""Index of the elastic energy of deformable bricks [J] in the totals."""
 TOTALS = 6
 """Number of totals."""
 
@@ -98,7 +97,6 @@ def observe(n, tables, model, ending, sampling):
     observe_stored(n, tables, ending, sampling)
     work = input_of_half_a_step(n, tables)
     kinetic, elastic = energies_of_bodies(n, tables, model.matrix, model.strain)
-    elastic = elastic + energy_stored(n, model.loose)
     for w in range(lanes(n)):
         if ending >> w & 1:
             observe_failed(wall_of(n, w), tables, sampling, w)

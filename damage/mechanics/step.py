@@ -1,4 +1,4 @@
-"""The time step: move the bodies, evaluate every interface and every loose contact, sum the forces.
+"""The time step: move the bodies, evaluate every interface, sum the forces.
 
 This is the definition of the model.  It runs one wall or eight at once (`n`,
 `damage.mechanics.simd`), compiled by numba or as plain Python (NUMBA_DISABLE_JIT=1); a wall has
@@ -21,7 +21,6 @@ import numpy as np
 from damage.elementary import cos, sin
 from damage.law.states import ENDED, ENDING, FAILED
 from damage.mechanics import (
-    collisions,
     contacts,
     damping,
     devices,
@@ -55,7 +54,6 @@ from damage.mechanics.tables import (
     DAMPED,
     DAMPING,
     DRIVEN,
-    FRICTION,
     HAS_FAILED,
     INPUT,
     KINETIC,
@@ -141,7 +139,7 @@ def step_once(n, tables, model, controls, field, asked):
     if controls[:, ADAPTIVE].any():
         adapt(n, tables, model.strain, controls)
     # without the matrix, so that the code of forces is the same with mass scaling and without
-    of_forces = Model(model.threshold, model.strain, model.loose, None, model.cuts)
+    of_forces = Model(model.threshold, model.strain, None, model.cuts)
     find_forces(n, tables, of_forces, asked)
 
 
@@ -186,8 +184,8 @@ def move(n, tables, strain, matrix, controls, field, step):
 
 @entry
 def find_forces(n, tables, model, asked):
-    """Add the forces of all interfaces and loose contacts to those of the bodies, which are zero on
-    entry, or are made so where nothing has moved; tables, model, asked: Tables, Model, Asked.
+    """Add the forces of all interfaces to those of the bodies, which are zero on entry, or are made
+    so where nothing has moved; tables, model, asked: Tables, Model, Asked.
 
     Intact interfaces come first, each by its resultant springs, then the others contact point by
     contact point.
@@ -198,13 +196,12 @@ def find_forces(n, tables, model, asked):
         mark_used(n, tables, model.strain, asked.walls)
     tables.sums[DAMPED] = 0.0
     singly = asked.ending == asked.walls or strain_modes.deforms(model.strain)
-    if singly or forces_of_springs(n, tables, model.loose, asked):
+    if singly or forces_of_springs(n, tables, asked):
         forces_of_others(n, tables, model, asked, singly)
     if asked.holds:
         devices.hold_rotations(n, tables)
     if len(tables.bearings) > 0:
         devices.hold_top(n, tables)
-    collisions.add_forces(n, tables, model.loose, asked.since)
     if asked.holds and asked.since > 0.0:
         devices.spread(n, tables)
     if asked.damped:
@@ -228,33 +225,33 @@ def mark_used(n, tables, strain, walls):
 
 
 @inlined
-def forces_of_springs(n, tables, loose, asked):
+def forces_of_springs(n, tables, asked):
     """Add the forces of intact interfaces, but in the walls that end; returns whether there are
     others."""
     if asked.damped:
-        return forces_of_damped(n, tables, loose, asked.ending)
-    return forces_of_undamped(n, tables, loose, asked.ending)
+        return forces_of_damped(n, tables, asked.ending)
+    return forces_of_undamped(n, tables, asked.ending)
 
 
 @compiled
-def forces_of_undamped(n, tables, loose, ending):
+def forces_of_undamped(n, tables, ending):
     """`forces_of_intact` without damping, compiled apart: a branch inside would need too many
     registers."""
     if rows.are_alike(n, tables):
-        return forces_of_intact(widest(n), tables, loose, ending, False, True)
-    return forces_of_intact(widest(n), tables, loose, ending, False, False)
+        return forces_of_intact(widest(n), tables, ending, False, True)
+    return forces_of_intact(widest(n), tables, ending, False, False)
 
 
 @compiled
-def forces_of_damped(n, tables, loose, ending):
+def forces_of_damped(n, tables, ending):
     """`forces_of_intact` with damping."""
     if rows.are_alike(n, tables):
-        return forces_of_intact(widest(n), tables, loose, ending, True, True)
-    return forces_of_intact(widest(n), tables, loose, ending, True, False)
+        return forces_of_intact(widest(n), tables, ending, True, True)
+    return forces_of_intact(widest(n), tables, ending, True, False)
 
 
 @inlined
-def forces_of_intact(n, tables, loose, ending, damped, alike):
+def forces_of_intact(n, tables, ending, damped, alike):
     """Add the forces of intact interfaces, but in the walls `ending` (bits); returns whether there
     are others.
 
@@ -269,7 +266,6 @@ def forces_of_intact(n, tables, loose, ending, damped, alike):
         intact = interfaces.stays_intact(springs, rows.limits_of(n, tables.limits, p), motion)
         if ending:
             intact = intact & flags_of(n, everyone ^ ending)
-        intact = intact & flags_of(n, everyone ^ bits(collisions.may_end(n, loose, motion)))
         other = everyone ^ bits(intact)
         any_other |= other
         if rows_of(n) == 1:
@@ -325,7 +321,7 @@ def forces_by_contacts(n, tables, model, asked, p, here):
         strain_modes.push_modes(n, tables.bodies, strain, interface, start, of_points, lives)
         resultant = interfaces.add(resultant, of_points)
         start += size
-    over = ends_now(n, tables, model.loose, asked, p, here, motion)
+    over = ends_now(n, tables, p, here, motion)
     to_read = here & (asked.ending | over)
     if to_read:
         for i in range(interface.start, interface.stop):
@@ -337,20 +333,15 @@ def forces_by_contacts(n, tables, model, asked, p, here):
 
 
 @inlined
-def ends_now(n, tables, loose, asked, p, here, motion):
-    """Walls of `here` (bits) in which interface p ends at this RelativeMotion: there it is ENDING.
-
-    A failed one ends as its faces cease to overlap; also as of
-    `damage.mechanics.collisions.ends_too`.
-    """
+def ends_now(n, tables, p, here, motion):
+    """Walls of `here` (bits) in which interface p, which has failed, ends at this RelativeMotion,
+    as its faces cease to overlap: there it is ENDING."""
     interface = tables.interfaces[p]
     over = bits(load(n, tables.limits, p, HAS_FAILED) == FAILED) & here
     if over:
         over &= bits(
             (motion.shear <= interface.slide_least) | (motion.shear >= interface.slide_most)
         )
-    if over == 0 and collisions.ends_too(n, tables, loose, p, asked.clock[0] + asked.step, motion):
-        over = 1
     if over:
         for w in range(lanes(n)):
             if over >> w & 1:
@@ -368,12 +359,11 @@ def fail(n, tables, p, w, failed):
 @inlined
 def let_go(n, tables, model, p, gone):
     """Set the forces of interface p to zero, permanently, in those of the walls `gone` (bits) in
-    which it is ENDING; from then on its bodies collide."""
+    which it is ENDING."""
     interface = tables.interfaces[p]
     for w in range(lanes(n)):
         one = wall_of(n, w)
         if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
-            before = load(one, tables.energy, 0, FRICTION)
             motion = of_wall(rows.moved(n, tables, p)[1], w)
             for i in range(interface.start, interface.stop):
                 at_point = strain_modes.motion_at(
@@ -382,8 +372,6 @@ def let_go(n, tables, model, p, gone):
                 contacts.let_go(one, tables, i, at_point)
                 tables.used[i] = 1
             fail(n, tables, p, w, ENDED)
-            stored = load(one, tables.energy, 0, FRICTION) - before
-            collisions.hand_over(n, tables, model.loose, interface, stored)
 
 
 @inlined

@@ -446,10 +446,9 @@ class Cuts(NamedTuple):
 
 
 @argument
-class Model(namedtuple("Model", "threshold strain loose matrix cuts")):
+class Model(namedtuple("Model", "threshold strain matrix cuts")):
     """What walls that step together share besides their tables.
 
     threshold: of the events OPENED and SLIPPED [m]; cuts: Cuts, of none where bricks stay whole;
-    strain: Strain, None of rigid bricks; loose: Loose of one wall, None where bricks find no new
-    contacts; matrix: Matrix of these walls, None without mass scaling.
+    strain: Strain, None of rigid bricks; matrix: Matrix of these walls, None without mass scaling.
     """

@@ -66,7 +66,7 @@ CASES = {
     "settled": Case(SMALL, f"--settle hogging --distortion 1/500 {SHAKEN}"),
     "tilted": Case(SMALL, "--settle tilt --distortion 1/200"),
     "soil": Case(SMALL, f"--soil 1e9 {SHAKEN}"),
-    "falling": Case(SMALL, "--new-contacts --harmonic 0.1 1.5 --rest 0.2"),
+    "falling": Case(SMALL, "--harmonic 0.1 1.5 --rest 0.2"),
     "drawn": Case(SMALL, f"--strength-cov 0.3 --strength-seed 7 {SHAKEN}"),
     "eight": Case(SMALL, f"--scatter 0.1 {SHAKEN}", members=True),
     "deformable": Case(

@@ -42,9 +42,8 @@ def advance_together(asked):
 
     asked: (wall, numbers of steps) of each.
     """
-    most = MOST_LANES if all(wall.loose is None for wall, _ in asked) else 1
-    for first in range(0, len(asked), most):
-        walls, steps = zip(*asked[first : first + most])
+    for first in range(0, len(asked), MOST_LANES):
+        walls, steps = zip(*asked[first : first + MOST_LANES])
         lanes = walls[0].lanes
         if not lanes.are_of(walls):
             lanes = Lanes(walls)
@@ -76,8 +75,7 @@ class Lanes:
         strength = np.concatenate([wall.cuts.strength for wall in walls])
         cuts = walls[0].cuts._replace(strength=strength)
         self._model, self._of_forces = (
-            tables.Model(THRESHOLD, walls[0].strain, walls[0].loose, array, cuts)
-            for array in (matrix, None)
+            tables.Model(THRESHOLD, walls[0].strain, array, cuts) for array in (matrix, None)
         )
         self._sampling = self.room(0)
 
@@ -203,9 +201,8 @@ class Lanes:
 
 
 def kind_of(wall):
-    """Key that is equal for walls that can be members of one batch: whether they find new contacts,
-    and a digest of the arrays of bricks, strain modes and couplings of the scaled mass that all of
-    them share."""
+    """Key that is equal for walls that can be members of one batch: a digest of the arrays of
+    bricks, strain modes and couplings of the scaled mass that all of them share."""
     system = wall.system
     of_modes = (system.mass[:, tables.RIGID :], *wall.strain) if wall.strain else ()
     shared = [
@@ -220,7 +217,7 @@ def kind_of(wall):
         *(wall.mass.matrix[:6] if wall.mass else ()),
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
-    return wall.loose is None, hashlib.sha256(b"".join(parts)).digest()
+    return hashlib.sha256(b"".join(parts)).digest()
 
 
 def _as_bits(flags):

@@ -64,9 +64,8 @@ class Rest:
 
     def keep(self, solver, looks):
         """Store the state of a solver at the end of its static stage, and the looks at it, (time
-        [s], unbalanced force), unless its bricks have found new contacts by then."""
-        if solver.loose is None or not solver.loose.counts.any():
-            self._walls.put(self._digest, solver.checkpoint(), tuple(looks))
+        [s], unbalanced force)."""
+        self._walls.put(self._digest, solver.checkpoint(), tuple(looks))
 
 
 def digest_of(prepared):
@@ -78,7 +77,6 @@ def digest_of(prepared):
         layout,
         prepared.time_step,
         settings.relaxation,
-        settings.new_contacts,
         settings.mass_scaling,
         settings.mass_scaling != NONE and settings.beta_s,
     )

@@ -33,7 +33,6 @@ def _make(layout, time_step, settings):
         layout,
         time_step,
         beta=settings.beta_s,
-        new_contacts=settings.new_contacts,
         scaled={LINTELS: inside_lintels(layout), SELECTIVE: slice(None)}.get(settings.mass_scaling),
     )
 

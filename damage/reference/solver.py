@@ -4,7 +4,6 @@ import numpy as np
 
 from damage.elementary import hypot, total
 from damage.law.joint_law import SHEAR, TENSION
-from damage.mechanics.collisions import LARGEST
 from damage.mechanics.samples import ELASTIC, KINETIC
 from damage.mechanics.tables import LOGS, OPENED, RIGID, SHARED, SLIPPED, WORK, Tables
 from damage.reference.wall import ReferenceWall
@@ -27,8 +26,6 @@ STATE_TABLES = (
 )
 """Fields of System that a step changes; masses, contact parameters, the log of events, and what
 follows from the rest are left out."""
-LOOSE_TABLES = "bounds", "seen", "order", "pairs", "springs", "counts", "energy"
-"""Fields of Loose that outlast a step."""
 
 
 class ReferenceSolver(ReferenceWall, Solver):
@@ -159,19 +156,10 @@ class ReferenceSolver(ReferenceWall, Solver):
             hypot(*self.stresses) * self.system.contacts["area"],
         )
 
-    def largest_overlap_m(self):
-        return (
-            None
-            if self.loose is None
-            else (self.loose.energy[LARGEST], 2 * self.loose.touch.radius)
-        )
-
     def base_reaction(self):
         return self.base_force()[1]
 
     def saved_state(self):
-        if self.loose is not None:
-            return None
         return {name: np.ascontiguousarray(getattr(self.system, name)) for name in STATE_TABLES}
 
     def resume(self, state):
@@ -183,17 +171,11 @@ class ReferenceSolver(ReferenceWall, Solver):
         """Views of all tables of this wall that outlast a step, {name: array}."""
         tables = self.lanes.tables
         lane = self.lanes.lane_of(self)
-        columns = {
+        return {
             name: values[lane] if name in LOGS else values[..., lane]
             for name, values in zip(Tables._fields, tables)
             if name not in SHARED + WORK
         }
-        loose = (
-            {}
-            if self.loose is None
-            else {f"loose_{name}": getattr(self.loose, name) for name in LOOSE_TABLES}
-        )
-        return columns | loose
 
     def checkpoint(self):
         count = dict.fromkeys(("events", "values"), int(self.system.n_events[0]))

@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from damage.elementary import sin, total
-from damage.errors import RunError
 from damage.linear.modes import static_displacement
 from damage.mechanics import tables
 from damage.mechanics.build import (
@@ -20,7 +19,6 @@ from damage.mechanics.build import (
     strain_tables,
     sum_springs,
 )
-from damage.mechanics.collisions import FULL, INSIDE, build_loose
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC
 from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
@@ -32,8 +30,7 @@ class ReferenceWall:
     """A wall and its state; time is counted in steps.
 
     layout: damage.wall.layout.Layout; time_step [s]; beta: stiffness-proportional damping [s];
-    alpha: mass-proportional damping [1/s]; new_contacts: bodies whose joints have ended, or that
-    had none, collide; scaled: contact points whose stiffness scales the masses
+    alpha: mass-proportional damping [1/s]; scaled: contact points whose stiffness scales the masses
     (`damage.mechanics.scaling`) for this time step and beta: None, a mask (n_contacts,), or
     slice(None) for all, which goes without local damping.  time_step, beta, alpha, `local_damping`
     (Cundall's, [-]) and `adaptive_damping` (`damage.mechanics.bodies.adaptive_damping`, [-]) can be
@@ -43,7 +40,7 @@ class ReferenceWall:
 
     with_stresses = False
 
-    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, new_contacts=False, scaled=None):
+    def __init__(self, layout, time_step, *, beta=0.0, alpha=0.0, scaled=None):
         self.layout = layout
         self.time_step = time_step
         self.step = 0
@@ -60,11 +57,8 @@ class ReferenceWall:
         self.earlier = []
         built = build(layout)
         self.strain = strain_tables(layout)
-        self.loose = None
         self.cuts = cut_tables(layout, built.interfaces)
         self.mass = None if scaled is None else scaled_mass(layout, time_step, beta, points=scaled)
-        if new_contacts:
-            self.loose = build_loose(layout, tables.system_of(built, 0), time_step)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
         self._held = None
         self._is_driven = False
@@ -344,7 +338,7 @@ class ReferenceWall:
         return float(self.sample_now().totals[0, KINETIC])
 
     def elastic_energy(self):
-        """Elastic energy of all contact points, of deformable bricks and of loose contacts [J]."""
+        """Elastic energy of all contact points and of deformable bricks [J]."""
         now = self.sample_now()
         return float(np.sum(now.stored)) + float(now.totals[0, ELASTIC])
 
@@ -354,22 +348,5 @@ class ReferenceWall:
             return FloatingPointError(
                 f"forces are no longer finite at step {self.step}: the time step of "
                 f"{self.time_step:.3g} s is too large for this wall"
-            )
-        loose = self.loose
-        before_s = self.clock * self.time_step
-        if loose is None:
-            return None
-        if loose.counts[INSIDE]:
-            return RunError(
-                "new contacts: bricks press each other by more than the"
-                f" {2e3 * loose.touch.radius:.3g} mm of their rounded corners before {before_s:.4g}"
-                " s; expected less; give a smaller --dt: a third of it makes them nine times as"
-                " stiff"
-            )
-        if loose.counts[FULL]:
-            return RunError(
-                f"new contacts: more than {len(loose.pairs)} pairs of bricks are near each other"
-                f" before {before_s:.4g} s; expected fewer; end the run with its first fallen"
-                " brick, without --after-fall"
             )
         return None

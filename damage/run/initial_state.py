@@ -50,7 +50,7 @@ def read_state(path, layout, origin, solver):
     if not len(packed):
         raise InputError(
             f"--continue {path}: it holds no state of its solver; expected a run of the reference"
-            " solver of this version without --new-contacts; run it again"
+            " solver of this version; run it again"
         )
     tables = unpacked(packed)
     if _shapes(tables) != _shapes(like):

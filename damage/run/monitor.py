@@ -6,7 +6,6 @@ import numpy as np
 from damage.elementary import hypot, sin
 from damage.errors import RunError
 from damage.index import THRESHOLD, combine, drift_component, length_fraction
-from damage.law.states import ENDED
 from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
 from damage.wall.kinds import ARCH_COURSE, LINTEL_COURSE
@@ -106,30 +105,6 @@ def check_drop(drop_m, time_s):
             f"a brick has dropped by {1e3 * drop_m:.2g} mm at {time_s:.2f} s, more than the "
             f"{1e3 * ACCEPTED_DROP_M:g} mm accepted with mass scaling",
         )
-
-
-def have_left(layout, motion, joints, state):
-    """Flags (n,) of the instants at which a brick has fallen, where loose bricks collide.
-
-    It has fallen once all of its joints have ended and it has moved by more than its height.
-    motion: (n, n_bodies, 3) since the static stage [m, m, rad]; joints: (n_active,) indices of
-    contact points; state: (n, n_active) their states.
-    """
-
-    def number_of(bodies):
-        """How often each body is among some, (n_bodies,); supports do not count."""
-        return np.bincount(bodies[bodies >= 0], minlength=len(layout.bodies))
-
-    ended = (state & ENDED) > 0
-    left = np.zeros(len(motion), bool)
-    both = np.stack([layout.contacts.first, layout.contacts.second])
-    joined = number_of(both.ravel())
-    of_joints = both[:, : layout.n_joints][:, joints]
-    for k in np.flatnonzero(ended.any(axis=1)):
-        loose = number_of(of_joints[:, ended[k]].ravel()) == joined
-        far = hypot(motion[k, :, 0], motion[k, :, 1]) > layout.bodies.height
-        left[k] = np.any((loose & far)[: layout.n_bricks])
-    return left
 
 
 def fastest_fallen(layout, motion, before, interval_s):

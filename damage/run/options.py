@@ -146,15 +146,15 @@ def _model_arguments(solver):
 
 
 def _run_arguments(solver):
-    free = (
-        "fall freely"
-        if solver == "reference"
-        else "collide with sharper corners; half a height's fall ends the run"
-    )
     of_yade = (
         []
         if solver != "yade"
         else [
+            flag(
+                "--after-fall",
+                "follow the bricks of a wall that fell until they rest, "
+                f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)",
+            ),
             flag("--view", "with a screen: the 3D view"),
             arg(
                 "--console",
@@ -195,16 +195,6 @@ def _run_arguments(solver):
         *_settings("rest_s", "time_step_s"),
         arg("--no-pictures", dest="pictures", action="store_false", help="write the history only"),
         flag("--quiet", "print warnings and errors only"),
-        flag(
-            "--new-contacts",
-            "bricks whose joints have ended fall, collide and come to rest; the run ends with the "
-            f"first fallen brick (default: they {free})",
-        ),
-        flag(
-            "--after-fall",
-            "with --new-contacts: follow the bricks until the wall rests, "
-            f"{AFTER_FALL_S:g} s at most (default: end with the first fallen brick)",
-        ),
         *of_yade,
     ]
 
@@ -355,8 +345,8 @@ def words_of(options, *solvers):
     these solvers, all of them without one.  Raises InputError of an option that there is not, or
     whose value has another number of words.
 
-    >>> words_of({"harmonic": [0.2, 0.05], "rest": 1.0, "sequence": (1, 0.5), "new-contacts": True})
-    ['--harmonic', '0.2', '0.05', '--rest', '1.0', '--sequence', '1,0.5', '--new-contacts']
+    >>> words_of({"harmonic": [0.2, 0.05], "rest": 1.0, "sequence": (1, 0.5), "stresses": True})
+    ['--harmonic', '0.2', '0.05', '--rest', '1.0', '--sequence', '1,0.5', '--stresses']
     """
     actions = options_of_a_run(*solvers)
     return [

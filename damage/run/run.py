@@ -339,22 +339,15 @@ class Run:
 
     @property
     def fall(self):
-        """A line on the fallen bricks: when they rest, how far they overlapped; None where none
-        were followed."""
+        """A line on when the fallen bricks rest; None where none were followed."""
         if self.collapsed_at_s is None or not self.settings.after_fall:
             return None
-        overlap = self.solver.largest_overlap_m()
         rests = (
             "not at rest"
             if self.rests_at_s is None
             else f"at rest {self.rests_at_s - self.collapsed_at_s:.2f} s after the first one fell"
         )
-        overlapped = (
-            ""
-            if overlap is None
-            else f"; they overlapped by up to {1e3 * overlap[0]:.2g} of {1e3 * overlap[1]:.2g} mm"
-        )
-        return f"bricks followed to {self.time:.2f} s: {rests}{overlapped}"
+        return f"bricks followed to {self.time:.2f} s: {rests}"
 
     def _run_stages(self):
         solver = self.solver

@@ -182,10 +182,6 @@ class Sampler:
     def _have_fallen(self, motion, now):
         """Flags (n,) of the samples at which a brick has fallen; motion: (n, n_bodies, 3) of the
         first n Instants."""
-        if self._settings.new_contacts:
-            return monitor.have_left(
-                self._layout, motion, now.joints, now.contacts["state"][: len(motion)]
-            )
         if self._base_motions:
             # with the ground, of this run or of one before, no brick has fallen
             lowest = (now.support_displacement - self.zero.support_displacement)[

@@ -55,7 +55,6 @@ def _is_compared(settings, wall):
         and (settings.settlement is None or settings.settling == "adaptive")
         and isinstance(settings.loading, Harmonic | Recorded)
         and settings.model in [replace(shown, **model) for shown in _SHOWN]
-        and not settings.new_contacts
         and "local" not in (settings.relaxation, settings.settling)
     )
 

@@ -188,7 +188,6 @@ class RunSettings:
     )
     checkpoint_s: float = math.inf
     resumed: str | None = None
-    new_contacts: bool = False
     after_fall: bool = False
     stresses: bool = False
     accept_implausible: bool = False
@@ -217,11 +216,6 @@ class RunSettings:
         check_fields(self, lambda _, one: option_of(one, unit=True))
         for event in self.events:
             check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
-        if self.new_contacts and self.model.bricks == "deformable":
-            raise InputError(
-                "--new-contacts with --bricks deformable: loose bricks collide as rigid ones; give"
-                " one of the two"
-            )
         self._check_scaling()
         self._check_motion()
 
@@ -229,23 +223,13 @@ class RunSettings:
         if not self.scales:
             return
         local = [name for name in ("relaxation", "settling") if getattr(self, name) == "local"]
-        if local or self.new_contacts:
-            other, why = (
-                (f"--{local[0]} local", "local damping")
-                if local
-                else ("--new-contacts", "a collision")
-            )
+        if local:
             raise InputError(
-                f"--mass-scaling {self.mass_scaling} with {other}: {why} needs the masses"
-                " themselves; leave one of them out"
+                f"--mass-scaling {self.mass_scaling} with --{local[0]} local: local damping needs"
+                " the masses themselves; leave one of them out"
             )
 
     def _check_past(self):
-        if self.after_fall and not self.new_contacts:
-            raise InputError(
-                "--after-fall without --new-contacts: bricks would fall through each other; give"
-                " both"
-            )
         if not self.loading.moves and not self.settlement:
             raise InputError("no motion and no settlement: expected one of them; give one")
         if self.members > 1 and (self.resumed or self.checkpoint_s < math.inf):
@@ -259,10 +243,10 @@ class RunSettings:
                 " run continues in the file that it has; leave the other out"
             )
         if self.continued and (
-            self.new_contacts or self.members > 1 or self.loading.drive.first_mode_m_s
+            self.after_fall or self.members > 1 or self.loading.drive.first_mode_m_s
         ):
             raise InputError(
-                "--continue with --new-contacts, --members or --free-vibration: expected one wall "
+                "--continue with --after-fall, --members or --free-vibration: expected one wall "
                 "that continues from its last state; leave these out"
             )
 
@@ -390,7 +374,6 @@ class RunSettings:
             "relaxation",
             "scatter",
             "seed",
-            "new_contacts",
             "after_fall",
             "command",
         )

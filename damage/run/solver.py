@@ -136,10 +136,6 @@ class Solver(Protocol):
         """Forces of the contacts on each body, (n_bodies, 3) [N, N, N m], and in each contact,
         (n_contacts,) [N]."""
 
-    def largest_overlap_m(self):
-        """(largest overlap of bricks that found new contacts so far, what they can overlap by) [m];
-        None where the solver does not say."""
-
     def damp_impacts(self):
         """From now on dissipate energy where loose bricks collide; of a solver whose collisions are
         elastic until then."""

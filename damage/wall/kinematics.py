@@ -9,9 +9,6 @@ import numpy as np
 from damage.elementary import cos, sin
 from damage.wall.kinds import rows
 
-CORNER_RADIUS = 0.01
-"""Radius of a loose brick's corners over the length of a whole brick [-]."""
-
 
 def rigid_displacement(ux, uz, turn, x, z):
     """Displacement along x and z of points of a rigid body, exact for any rotation.

@@ -33,7 +33,7 @@ RUNS = {
     "spread": (*TOP_SHARE, "--relaxation local --quiet"),
     "falling": (
         SMALL,
-        "--harmonic 0.1 1.5 --rest 0.1 --new-contacts --after-fall --no-pictures --quiet",
+        "--harmonic 0.1 1.5 --rest 0.1 --no-pictures --quiet",
     ),
     "deformable": ("--bricks deformable --rest 0",),
     "scaled": (

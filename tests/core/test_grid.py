@@ -20,7 +20,7 @@ from test_settlement import periods
 from test_widths import everything
 
 from damage import Brick, Floor, Joint, Lintel, ModelOptions, Opening, Wall
-from damage.law.states import BROKEN, CRUSHED, ENDED
+from damage.law.states import BROKEN, CRUSHED
 from damage.linear.modes import natural_modes
 from damage.mechanics.tables import INPUT
 from damage.motion.loading import FreeVibration
@@ -34,7 +34,6 @@ BRICK = Brick(0.2, 0.1, 0.1, 2000.0)
 WEAK = Joint(tensile_strength=2e4, cohesion=3e4)
 SOFT = replace(WEAK, mode_i_fracture_energy=0.1, mode_ii_fracture_energy=1.0)
 SOFT_AND_CRUSHING = replace(SOFT, compressive_strength=3e5, compressive_fracture_energy=50.0)
-DRY = Joint(tensile_strength=0.0, cohesion=0.0)
 STIFFER = {"normal_stiffness": 15e11, "friction_angle": 0.7}
 STRETCHES = 10
 """Parts of a run, at whose ends walls are compared."""
@@ -48,21 +47,15 @@ DOOR = (Opening(0.4, 0.6, 0.6),)
 class Case:
     """wall: fields of a Wall of 1.6 x 1.0 m; options: of ModelOptions; beside: fields of the Joint
     of the wall beside it in a batch; beta_s: damping by stiffness [s]; peak, pulse_s: of the pulse
-    [m/s2, s]; thrown: speed of the highest bodies at the start [m/s]; happens: bit of the state
-    that contact points reach; afterwards: largest difference from the mirror image once some have
-    failed [-]; energy: largest imbalance, over the kinetic energy and what came in [-]."""
+    [m/s2, s]; happens: bit of the state that contact points reach."""
 
     wall: dict = field(default_factory=dict)
     options: dict = field(default_factory=dict)
     beside: dict = field(default_factory=dict)
     beta_s: float = 0.0
-    new_contacts: bool = False
     peak: float = 20.0
     pulse_s: float = 0.02
-    thrown: float = 0.0
     happens: int = BROKEN
-    afterwards: float = 1e-7
-    energy: float = 5e-5
 
     def walls(self):
         """The Wall and its mirror image."""
@@ -137,16 +130,6 @@ GRID = {
         peak=40.0,
         happens=CRUSHED,
     ),
-    "new contacts": Case(
-        {"length": 0.2, "height": 0.3, "openings": (), "precompression": 0.0, "joint": DRY},
-        new_contacts=True,
-        peak=0.0,
-        pulse_s=0.6,
-        thrown=2.5,
-        happens=ENDED,
-        afterwards=5e-3,
-        energy=5e-4,
-    ),
 }
 
 
@@ -158,7 +141,7 @@ class Run:
         self.layout = lay_out(wall, ModelOptions(**case.options))
         self.side = side
         self.middle = wall.length / 2
-        settings = RunSettings(FreeVibration(), self.layout.options, new_contacts=case.new_contacts)
+        settings = RunSettings(FreeVibration(), self.layout.options)
         self.solver = BACKEND.make(
             self.layout, 0.3 * natural_modes(self.layout, 1).critical_time_step_s, settings
         )
@@ -171,9 +154,6 @@ class Run:
         self.solver.start(self.base)
         bodies = self.layout.bodies
         contacts = self.layout.contacts
-        velocity = self.solver.velocity
-        velocity[bodies.z > bodies.z.max() - 1e-6, 0] = side * case.thrown
-        self.solver.velocity = velocity
         along = side * (bodies.x - self.middle)
         both = np.where(contacts.first < 0, 0.0, along[contacts.first]) + along[contacts.second]
         self.bodies = in_order(along, bodies.z)
@@ -278,11 +258,10 @@ def cases():
 
 @pytest.mark.parametrize(("name", "wide"), cases())
 def test_mirror_momentum_energy_and_width(name, wide):
-    """Found: 2e-12 of the largest displacement while all are intact, 1e-10 afterwards, 5e-4 between
-    new contacts, whose rectangles tumble; 2e-9 of the forces where these are read, 1e-2 where they
-    are interpolated while joints fail, 3e-2 where an impact makes interpolation uncertain by as
-    much.  Energies close to 3e-5 once the pulse is over; during it the work of a step by the force
-    at its beginning is off by 0.1 %."""
+    """Found: 2e-12 of the largest displacement while all are intact, 1e-10 afterwards; 2e-9 of the
+    forces where these are read, 1e-2 where they are interpolated while joints fail, 3e-2 where an
+    impact makes interpolation uncertain by as much.  Energies close to 3e-5 once the pulse is over;
+    during it the work of a step by the force at its beginning is off by 0.1 %."""
     case = GRID[name]
     reached = 0
     wall, mirror = case.walls()
@@ -301,17 +280,14 @@ def test_mirror_momentum_energy_and_width(name, wide):
             assert across.max() < (0.015 + unsure.max() if run.solver.state.any() else 1e-3)
         (here, state), (there, image) = (run.seen() for run in runs)
         failed = state.any() or image.any()
-        assert (
-            np.abs(there - here).max()
-            <= (case.afterwards if failed else 1e-10) * np.abs(here).max()
-        )
+        assert np.abs(there - here).max() <= (1e-7 if failed else 1e-10) * np.abs(here).max()
         assert np.array_equal(state, image)
         assert not wide or everything(solver) == everything(batch[1])
         largest = max(largest, solver.kinetic_energy() + abs(solver.energy[INPUT]))
         reached |= np.bitwise_or.reduce(state)
     assert reached & case.happens
     solver.run(20)
-    assert total_energy(solver) == pytest.approx(began, abs=case.energy * largest)
+    assert total_energy(solver) == pytest.approx(began, abs=5e-5 * largest)
 
 
 # --- orders of convergence in the contact points per half brick -----------------------------------

@@ -204,7 +204,7 @@ class TestLintels:
         assert len(keys) == 2
 
     def test_other_runs_keep_all_masses(self, wall):
-        asked = parsed("--new-contacts --settling local")
+        asked = parsed("--settling local")
         (settings, _), *_ = scheme.schemes(asked, wall, modes_of(4e-5, 8e-5))
         assert settings.mass_scaling == "none"
 
@@ -274,7 +274,6 @@ def test_steps_below_the_explicit_one_and_beyond_what_was_shown_are_refused(dt):
         ("--contacts gauss", None),
         ("--bricks deformable", None),
         ("--soil 1e8", None),
-        ("--new-contacts", None),
         ("--settling local", None),
         ("--relaxation local", None),
     ],

@@ -14,7 +14,6 @@ from small_history import small_layout
 import damage
 from damage import read_history
 from damage.history.writer import HistoryWriter
-from damage.law.states import BROKEN, ENDED
 from damage.measure.summary import summarise
 from damage.motion.loading import mean_velocities
 from damage.run import settings as run_settings
@@ -22,7 +21,6 @@ from damage.run.cooperative import take_turns
 from damage.run.monitor import (
     fastest_fallen,
     have_fallen,
-    have_left,
     lowest_places,
     unbalanced_force,
 )
@@ -461,26 +459,6 @@ def test_a_brick_has_fallen_when_it_is_half_its_height_below_its_place():
     motion[:, 3, 1] = 0.0
     motion[2, layout.n_bricks :, 1] = -1.0
     assert not have_fallen(motion, lowest_places(layout)).any()
-
-
-def test_where_bricks_collide_one_fell_when_its_joints_ended_and_it_moved_by_its_height():
-    layout = small_layout()
-    contacts = layout.contacts
-    height = layout.bodies.height[3]
-    joints = np.flatnonzero((contacts.first == 3) | (contacts.second == 3))
-    motion = np.zeros((4, len(layout.bodies), 3))
-    motion[:, 3, 0] = (
-        0.6 * height,
-        0.6 * height,
-        0.9 * height,
-        0.9 * height,
-    )
-    motion[:, 3, 1] = -0.6 * height
-    state = np.full((4, len(joints)), BROKEN | ENDED)
-    state[2, 0] = BROKEN  # one joint still holds it
-    assert have_left(layout, motion, joints, state).tolist() == [False, False, False, True]
-    assert not have_left(layout, motion, joints, 0 * state + BROKEN).any()
-    assert not have_left(layout, 0 * motion, joints, state).any()
 
 
 def test_bricks_in_flight_are_far_from_rest_by_a_number():

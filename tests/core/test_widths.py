@@ -274,33 +274,17 @@ def damped(walls, run):
     run(60)
 
 
-def fallen(walls, run):
-    """Walls whose bricks are pulled apart by 5 mm and come back."""
-    for wall in walls:
-        bodies = wall.layout.bodies
-        apart = np.zeros((len(bodies), 3))
-        apart[:, 1] = 0.005 / 0.075 * (bodies.z - bodies.z.min())
-        wall.displacement = apart
-    run(3)
-    apart[:, 1] *= np.where(bodies.course < 0, 0.0, -1300.0)  # the heavy top mass stays up
-    for wall in walls:
-        wall.velocity = apart
-    run(60)
-
-
 CASES = {shaken: {}, relaxed: {}, pushed: {}, damped: {"alpha": 5.0, "beta": 1e-6}}
 
 
 def all_results(n_walls):
     """{case and quantity: array} of the first of so many walls in all CASES, also of deformable
-    bricks; of a wall by itself one that falls, too."""
+    bricks."""
     results = {}
     rigid = lay_out(SMALL)
     deformable = lay_out(SMALL, ModelOptions(bricks="deformable", contacts="gauss"))
-    falls = [(fallen, {"new_contacts": True}, rigid, "")] if n_walls == 1 else []
     for case, options, layout, label in (
         *((case, options, rigid, "") for case, options in CASES.items()),
-        *falls,
         (relaxed, {}, deformable, "deformable_"),
         (damped, CASES[damped], deformable, "deformable_"),
     ):
