@@ -79,9 +79,10 @@ def _run(make_wall, path, engines):
 def open_wall(wall, engines, options):
     """Implementation of `yade_scripts.open_scene`."""
     import damage.applications  # noqa: F401, each adds its options
+    from damage.house.house import load_wall_or_house
     from damage.provenance import shown_path
     from damage.run.options import settings_of
-    from damage.wall.file import load_wall, wall_path
+    from damage.wall.file import wall_path
     from damage.wall.parameters import Wall
     from yade_scripts.backend import backend_with
     from yade_scripts.leaving import close_with_a_word
@@ -99,5 +100,8 @@ def open_wall(wall, engines, options):
             " its motion; leave them out: YADE's prompt follows the script"
         )
     return open_scene(
-        backend_with(engines_beside(engines)), settings, file, load_wall(file) if file else wall
+        backend_with(engines_beside(engines)),
+        settings,
+        file,
+        load_wall_or_house(file) if file else wall,
     )

@@ -47,10 +47,10 @@ import numpy as np
 
 from damage.errors import InputError
 from damage.fields import check_fields, choice, quantity
-from damage.house.limits import OF_RUNS, OF_WALLS, refuse
+from damage.house.limits import OF_RUNS, OF_SOLVERS, OF_WALLS, refuse
 from damage.house.ties import Ties, spans_between
 from damage.toml_file import read_toml
-from damage.wall.file import MOST_MB, load_wall, read_wall, user_record, wall_path
+from damage.wall.file import MOST_MB, load_wall, read_wall, user_record, wall_of, wall_path
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.kinds import TINY
 from damage.wall.parameters import LONGEST_M, Wall
@@ -235,10 +235,13 @@ class House:
         walls = tuple(replace(placed, wall=change(placed.wall)) for placed in self.walls)
         return replace(self, walls=walls)
 
-    def check_run(self, settings):
-        """Raise InputError of RunSettings for what houses cannot do yet."""
-        alone = "a motion of the base, a push, settlement, or free vibration, alone"
-        refuse(f"house {self.name}", OF_RUNS, settings, alone)
+    def check_run(self, settings, solver):
+        """Raise InputError of RunSettings, and of a solver by its name, for what houses cannot do
+        yet."""
+        place = f"house {self.name}"
+        alone = "a motion of the base, a push, settlement, or free vibration, alone; leave it out"
+        refuse(place, OF_SOLVERS, solver, "YADE; give ./yade FILE.toml, or a study --solver yade")
+        refuse(place, OF_RUNS, settings, alone)
 
     @cached_property
     def masonry(self):
@@ -321,7 +324,8 @@ def _check_masonry(house, wall):
             f" {house.names[0]} {first} m: expected one size, so that courses meet; correct the"
             " [brick] of one"
         )
-    refuse(f"house {house.name}, wall {wall.name}", OF_WALLS, wall, "none, as it runs in a plane")
+    alone = "none, as it runs in a plane; leave it out"
+    refuse(f"house {house.name}, wall {wall.name}", OF_WALLS, wall, alone)
 
 
 def _check_floor(house, floor):
@@ -398,6 +402,8 @@ def read_wall_or_house(path):
 
 
 def load_wall_or_house(given):
-    """The House, or damage.Wall, of a file, or of the name of a wall that ships."""
+    """The House, or damage.Wall, of a file, or of the name of one that ships."""
     path = wall_path(given)
-    return read_wall_or_house(path) if path.suffix == ".toml" else load_wall(path)
+    if path.suffix != ".toml":
+        return load_wall(path)
+    return wall_of(lambda: read_wall_or_house(path), path, (Wall, House))

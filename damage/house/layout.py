@@ -76,7 +76,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     ]
     parts = list(map(_below_slab, parts))
     options = parts[0].options
-    refuse(f"house {house.name}", OF_MODELS, options, "rigid bricks on rigid ground")
+    refuse(f"house {house.name}", OF_MODELS, options, "rigid bricks on rigid ground; leave it out")
     layout = _together(house, parts)
     for floor in house.floors:
         if floor.kind == "concrete":

@@ -12,6 +12,9 @@ OF_MODELS = {
     "--bricks deformable": lambda options: options.bricks != "rigid",
     "--soil": lambda options: options.soil != "rigid",
 }
+OF_SOLVERS = {
+    "the reference solver, whose bodies move in a plane": lambda solver: solver == "reference"
+}
 OF_RUNS = {
     "displacements of supports": lambda settings: settings.loading.drive.supports,
     "a pushed top that may not rotate freely": lambda settings: (
@@ -26,7 +29,7 @@ OF_RUNS = {
 
 def refuse(place, limits, given, expected):
     """Raise InputError where what is given has one of these limits; place: of the message;
-    expected: instead."""
+    expected: instead, and how to correct it."""
     for what, asks in limits.items():
         if asks(given):
-            raise InputError(f"{place} with {what}: expected {expected}; leave it out")
+            raise InputError(f"{place} with {what}: expected {expected}")

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from damage.errors import InputError, RunWarning, heard
 from damage.history.in_memory import HistoryInMemory
 from damage.history.writer import HistoryWriter
+from damage.house.house import load_wall_or_house
 from damage.measure.warnings import warnings_of
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.motion.loading import Loading, Recorded
@@ -22,7 +23,7 @@ from damage.run.options import settings_of
 from damage.run.paths import free_name, pictures_folder
 from damage.run.prepare import prepare
 from damage.run.session import history_of
-from damage.wall.file import load_wall, wall_path
+from damage.wall.file import wall_path
 from damage.wall.parameters import Wall
 
 DEFAULTS = {"pictures": False, "quiet": True}
@@ -59,7 +60,7 @@ def _run(wall, motion, options):
         prepared = prepare(BACKEND, wall_file, lambda: built, settings, write)
         history = history_of(prepared)
     if settings.pictures:
-        from damage.draw.run import save_all
+        from damage.draw.house import save_all
 
         save_all(history, pictures_folder(settings.out))
     return history
@@ -96,7 +97,7 @@ def _asked(wall, motion, options):
             'pictures=True of a run in memory: expected out="FILE.h5", beside which they go;'
             " give one"
         )
-    return settings, file, load_wall(file) if file else wall
+    return settings, file, load_wall_or_house(file) if file else wall
 
 
 def _driven_by(loading, settings):

@@ -9,6 +9,7 @@ import numba
 
 from damage.errors import one_line
 from damage.history.writer import HistoryWriter
+from damage.house.house import load_wall_or_house
 from damage.linear.modes import inside_lintels
 from damage.memory import hold_buffers
 from damage.provenance import shown_path
@@ -23,7 +24,7 @@ from damage.run.progress import attended
 from damage.run.session import run_session, simulate, with_errors_reported
 from damage.run.settings import LINTELS, SELECTIVE
 from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
-from damage.wall.file import load_wall, wall_path
+from damage.wall.file import wall_path
 
 PROG = "python3 -m damage reference"
 
@@ -63,7 +64,7 @@ def run_reference(arguments):
         lambda: run_session(
             BACKEND,
             wall_path(wall),
-            lambda: load_wall(wall),
+            lambda: load_wall_or_house(wall),
             options,
             prog=f"{PROG} {shown_path(wall)}",
         )
@@ -123,7 +124,11 @@ def _run(name, line, histories, settled, keep_going):
     )
     settings = make_settings(prog=f"{PROG} {shown_path(wall)}")
     one = prepare(
-        BACKEND, wall, lambda: load_wall(wall), settings, histories.get(name, HistoryWriter)
+        BACKEND,
+        wall,
+        lambda: load_wall_or_house(wall),
+        settings,
+        histories.get(name, HistoryWriter),
     )
     if name in histories:
         histories[name] = one.writer

@@ -191,7 +191,7 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
 def check(backend, wall, settings):
     """RunSettings with what this solver adds to them for this wall; raises InputError where they do
     not go together."""
-    wall.check_run(settings)
+    wall.check_run(settings, backend.name)
     settings.check_plausible(wall)
     settings = settings.for_joint(wall.masonry.joint, backend.softening_beta_s)
     for plane_wall in wall.each_wall:

@@ -481,7 +481,7 @@ class Wall:
         """What a function makes of the wall, as of a House that with each wall changed."""
         return change(self)
 
-    def check_run(self, settings) -> None:
+    def check_run(self, settings, solver: str) -> None:
         """Nothing, as of a House what its runs cannot do."""
 
     def __post_init__(self):

@@ -28,7 +28,7 @@ from damage.applications.studies.states import (
 from damage.draw.run import wall_picture
 from damage.draw.words import record_label, wall_words
 from damage.errors import InputError
-from damage.history.reader import read_history
+from damage.history.reader import file_of, read_history
 from damage.history.schema import each
 from damage.measure.columns import PARAMETERS
 from damage.provenance import shown_path
@@ -200,7 +200,7 @@ def cracked_walls(folder, summary, points):
     for number in np.argsort(-damage.to_numpy(), kind="stable"):
         row = points.iloc[number]
         path = folder / "runs" / f"{next(iter(_runs_of(row, summary)), '')}.h5"
-        if left <= 0 or not path.is_file():
+        if left <= 0 or not file_of(path).is_file():
             continue
         try:
             figure = wall_picture(read_history(path))

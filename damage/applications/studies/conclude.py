@@ -44,7 +44,7 @@ def conclude(task, kept=None):
 def draw(task):
     """Draw the pictures of a run, in a folder that gets its name when all are there; returns (exit
     status, None)."""
-    from damage.draw.run import save_all
+    from damage.draw.house import save_all
 
     unfinished = task.pictures.with_name(f".{task.name}.part")
     try:

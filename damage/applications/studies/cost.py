@@ -6,11 +6,11 @@ from damage.applications.studies.folder import ROOT
 from damage.applications.studies.tasks import company_of
 from damage.errors import InputError
 from damage.house.coarser import in_units
+from damage.house.house import load_wall_or_house
 from damage.reference.session import BACKEND
 from damage.run.prepare import plan_of
 from damage.run.schedule import sample_steps, settlement_work, stages, zero_step
 from damage.run.settings import SELECTIVE
-from damage.wall.file import load_wall
 
 LIVES = 8
 """Whose motions say how long one is."""
@@ -61,7 +61,7 @@ def _built(run, settings):
     on_ground = settings.settlement is None
     key = run.wall, run.solver, company_of(run), settings.units, settings.mass_scaling, on_ground
     if key not in _BUILT:
-        wall = in_units(load_wall(ROOT / run.wall), settings.units)
+        wall = in_units(load_wall_or_house(ROOT / run.wall), settings.units)
         joint = wall.masonry.joint
         plan = plan_of(BACKEND, wall, settings.for_joint(joint, BACKEND.softening_beta_s))
         _BUILT[key] = plan.layout, plan.time_step, plan.settings.mass_scaling

@@ -17,11 +17,11 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from damage.applications.studies.folder import ROOT
 from damage.checks import check_file
 from damage.house.coarser import in_units
+from damage.house.house import House, load_wall_or_house
 from damage.motion.record import Record
 from damage.retired import retired
 from damage.run.options import SOURCES
 from damage.run.settings import RunSettings
-from damage.wall.file import load_wall
 from damage.wall.parameters import Wall
 
 NO_INPUT = {
@@ -51,14 +51,14 @@ NO_INPUT = {
 
 @dataclass(frozen=True)
 class Inputs:
-    """The wall as built, and the settings of a point's first run; the others differ from it by
-    their number alone.
+    """The wall, or house, as built, and the settings of a point's first run; the others differ from
+    it by their number alone.
 
     continued: SHA-256 of the history that the runs continue; drawn_from: of what their lives are
     drawn from; or None.
     """
 
-    wall: Wall
+    wall: Wall | House
     settings: RunSettings
     continued: str | None = None
     drawn_from: str | None = None
@@ -78,7 +78,8 @@ def inputs_of(run, root, wall=None):
             ).read_bytes()
         ).hexdigest()
     )
-    as_read = as_read or in_units(load_wall(root / run.wall), settings.units)
+    as_read = as_read or in_units(load_wall_or_house(root / run.wall), settings.units)
+    as_read.check_run(settings, run.solver)
     return Inputs(as_read, settings, continued, _drawn_from(run, root))
 
 

@@ -20,6 +20,7 @@ from damage.applications.studies.records import (
     NAME,
     is_of_today,
     key_of,
+    parts_of,
     point_line,
     point_of,
     read_records,
@@ -79,8 +80,9 @@ class Results:
         for run in runs:
             inputs = inputs_of(run, ROOT)
             names = histories[run.id]
-            replaced = replaced_lintels(inputs.wall, inputs.settings.model.lintel)
-            verdict.lintels |= dict.fromkeys(replaced)
+            for wall in inputs.wall.each_wall:
+                replaced = replaced_lintels(wall, inputs.settings.model.lintel)
+                verdict.lintels |= dict.fromkeys(replaced)
             content = as_json(inputs)
             verdict.inputs[run] = key_of(content), content
             differing = list(
@@ -195,7 +197,9 @@ class Results:
         ):
             return False
         return not task.tables or all(
-            (self.folder / "tables" / f"{task.name}_{table}.csv").is_file()
+            (self.folder / "tables" / f"{name}_{table}.csv").is_file()
+            for part in parts_of(self.records.runs[task.name])
+            for name in [part["row"]["run"].replace(":", "_")]
             for table in FIRST_TABLES
         )
 

@@ -4,7 +4,8 @@ A line of a run is written as soon as the run has ended: {"run": its name, "inpu
 was made from, "intact": whether no joint broke or reached its limit, "row": that of the summary,
 with the digests of the model and of the measures, "cycles" and "shocks": the rows of these tables,
 "patterns": SHA-256 of its patterns at rest, where these are kept, "sha256": a checksum of all
-this}.  A line of a point is
+this}; of a house row and tables are those of the first wall, and "others" has those of each other
+one.  A line of a point is
 {"point": its name with the solver, "inputs": key, "of": its inputs
 (`damage.applications.studies.inputs.as_json`), "sha256"}.  The last good line counts.  A line that
 a kill tore is none, and neither is one that was changed since.
@@ -71,18 +72,26 @@ def record_of(history, name, point):
     """The record of a run from its History, without the key of its inputs; point: that of the
     study.  Raises InputError where a number is none that a run can have."""
     sequence = history.series["shock"].iloc[-1] > 1 or "life" in history.parameters
-    record = {
-        "run": name,
-        "intact": history.is_intact,
-        "row": summary_row(history, run=name, point=point),
-        **{
-            table: make(history).to_dict("records") if sequence or table != "shocks" else []
+    parts = []
+    for part in history.parts:
+        end = "" if part is history else f":{part.wall}"
+        row = summary_row(part, run=name + end, point=point + end) | {"wall": history.wall + end}
+        tables = {
+            table: make(part).to_dict("records") if sequence or table != "shocks" else []
             for table, make in TABLES.items()
-        },
-    }
+        }
+        parts.append({"row": row} | tables)
+    record = {"run": name, "intact": history.is_intact, **parts[0]}
+    record |= {"others": parts[1:]} if len(parts) > 1 else {}
     if (wrong := _wrong_number(record)) is not None:
         raise InputError(f"its {wrong}")
     return record
+
+
+def parts_of(record):
+    """What a record has of each wall of a house, of a plane wall itself: tables with "row" and
+    TABLES."""
+    return [record, *record.get("others", ())]
 
 
 def line_of(content):
@@ -159,7 +168,8 @@ def _believed(line):
 def _wrong_number(record):
     """What number of a record no run can have, in words; None where there is none.  NaN is an empty
     cell."""
-    for row in (record["row"], *(row for table in TABLES for row in record[table])):
+    tables = ([part["row"], *part[table]] for part in parts_of(record) for table in TABLES)
+    for row in (row for rows in tables for row in rows):
         for name, value in row.items():
             least, most = bounds_of(name)
             if (

@@ -1,8 +1,9 @@
 """The tables of a whole study, of whichever runs are there: one row a run, one row a point.
 
 `python3 -m damage study-tables STUDY.toml DIR` writes below DIR/tables: summary.csv, a row for each
-run; points.csv, a row for each point and solver, with the median over its members under a measure's
-NAME and their range under NAME_min and NAME_max; cycles.csv and shocks.csv, those of all runs.
+run, of a house for each of its walls, RUN:WALL; points.csv, a row for each point and solver, with
+the median over its members under a measure's NAME and their range under NAME_min and NAME_max;
+cycles.csv and shocks.csv, those of all runs.
 Records (`damage.applications.studies.records`) are all that is asked of runs.
 """
 
@@ -10,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from damage.applications.studies.folder import command_of
-from damage.applications.studies.records import TABLES, is_of_today, read_records
+from damage.applications.studies.records import TABLES, is_of_today, parts_of, read_records
 from damage.applications.studies.spread import repeated
 from damage.errors import InputError, some_of
 from damage.history.schema import each
@@ -28,34 +29,33 @@ def histories_in(folder):
 
 
 def summary_of(study, folder, records=None):
-    """A DataFrame with a row for each run of the study that is there, of either solver.
+    """A DataFrame with a row for each run of the study that is there, of either solver, or for each
+    wall of a house.
 
     records: of `read_records`, where they are read already.  `members` is how many runs there are
     of the row's point in its solver.
     """
     records = records or read_records(folder)
-    present = [
-        (name, run.point, members)
+    rows = [
+        part["row"] | {"members": len(names)}
         for run in study.of_both
-        for members in [records.names_of(run)]
-        for name in members
+        for names in [records.names_of(run)]
+        for name in names
+        for part in parts_of(records.runs[name])
     ]
-    if not present:
+    if not rows:
         raise InputError(
             f"{folder} holds no run of the study {study.name}; run it first:"
             f" {command_of(study.path, folder, ['--solver', 'reference'])}"
         )
-    rows = {name: records.runs[name]["row"] for name, *_ in present}
-    if other := [name for name, row in rows.items() if not is_of_today(row)]:
+    if other := [row["run"] for row in rows if not is_of_today(row)]:
         raise InputError(
             f"{folder}: the index or measures of {len(other)} runs are defined as in another"
             f" version: {some_of(other)}; expected one definition in a table; run the study again,"
             " which works them out of histories"
         )
-    table = pd.DataFrame(list(rows.values()))
-    table.insert(
-        table.columns.get_loc("solver") + 1, "members", [len(names) for *_, names in present]
-    )
+    table = pd.DataFrame(rows)
+    table.insert(table.columns.get_loc("solver") + 1, "members", table.pop("members"))
     return table
 
 
@@ -116,9 +116,11 @@ def write_study_tables(study, folder):
     records = read_records(folder)
     summary = summary_of(study, folder, records)
     tables = folder / "tables"
+    parts = [part for record in records.runs.values() for part in parts_of(record)]
+    tables_of = {part["row"]["run"]: part for part in parts}
     paths = [write_table(points_of(summary), tables / "points.csv")]
     for name in TABLES:
-        rows = [{"run": run, **row} for run in summary["run"] for row in records.runs[run][name]]
+        rows = [{"run": run, **row} for run in summary["run"] for row in tables_of[run][name]]
         if rows:
             paths.append(write_table(pd.DataFrame(rows), tables / f"{name}.csv"))
     return [*paths, write_table(summary, tables / "summary.csv")]

@@ -45,11 +45,12 @@ def _run_yade_on(task, connection, lock, inputs):
         lock,
         lambda share: connection.send((None, None, {task.name: share})),
     )
-    if status == EXIT_OK and (
-        changed := changes(task, inputs, read_history(task.part).masonry_wall)
-    ):
-        task.part.unlink()
-        return CHANGED, changed
+    if status == EXIT_OK:
+        history = read_history(task.part)
+        # the files of a house are read once more
+        if changed := changes(task, inputs, None if history.house else history.masonry_wall):
+            task.part.unlink()
+            return CHANGED, changed
     return conclude(task) if status == EXIT_OK else (status, None)
 
 

@@ -5,12 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, one_line_error, written
 from matplotlib.colors import to_rgb
 from numpy.testing import assert_allclose
 from small_history import make_history
 
-from damage.applications.report.vtkhdf import HouseCells
+from damage.applications.report.vtkhdf import Cells
+from damage.applications.studies.definition import load_study
+from damage.applications.studies.inputs import inputs_of
+from damage.applications.studies.read import read_table
+from damage.applications.studies.records import NAME, line_of, record_of
+from damage.applications.studies.tables import write_study_tables
 from damage.draw import style
 from damage.draw.house import PICTURES, Eye, Perspective, elevation_picture
 from damage.draw.run import JOINT_COLOURS
@@ -99,6 +104,22 @@ def test_index_tables_and_summary_have_all_walls(house, tmp_path, output_of):
     assert list(summary_table([house.path])["wall"]) == ["front", "side"]
 
 
+def test_a_study_has_a_row_for_each_wall_of_a_house(house, tmp_path):
+    text = 'name = "s"\n[[runs]]\nid = "a"\nwall = "houses/box.toml"\n'
+    file = written(tmp_path / "s.toml", text)
+    study = load_study(file, "yade", REPOSITORY)
+    assert inputs_of(study.runs[0], REPOSITORY).wall == read_house(REPOSITORY / "houses/box.toml")
+    (tmp_path / NAME).write_text(line_of(record_of(house, "a_yade", "a")))
+    write_study_tables(study, tmp_path)
+    for name in ("summary", "points"):
+        table = read_table(tmp_path / f"tables/{name}.csv")
+        assert list(table["point"]) == ["a:front", "a:side"]
+        assert list(table["wall"]) == ["small:front", "small:side"]
+    assert_allclose(read_table(tmp_path / "tables/summary.csv")["max_psi_outside"], [2, 0])
+    (run,) = load_study(file, "reference", REPOSITORY).runs
+    assert "house box with the reference solver" in one_line_error(inputs_of, run, REPOSITORY)
+
+
 def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
     """The side wall stands along y: across it is -x; a turn about its length is one about y."""
     lay = layout()
@@ -132,7 +153,7 @@ def test_a_concrete_floor_is_a_box_over_its_walls(tmp_path):
 
 
 def test_paraview_has_the_boxes_and_where_they_go(house):
-    cells = HouseCells(house)
+    cells = Cells(house)
     space = InSpace(house)
     n = 8 * len(house.bodies)
     assert_allclose(cells.points[:n], space.boxes.reshape(-1, 3))
