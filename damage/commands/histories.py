@@ -16,7 +16,7 @@ from damage.commands.table import (
     show,
     threshold,
 )
-from damage.errors import InputError, warn
+from damage.errors import InputError
 from damage.history.info import DAMAGED, WHOLE, check, describe_check, info, origin
 from damage.history.info import describe as describe_info
 from damage.history.reader import read_history
@@ -43,28 +43,16 @@ from damage.units import MILLIMETRE
     examples=("run.h5", "run.h5 --threshold-mm 0.05 --slip accumulated --json"),
 )
 def _index(asked):
-    from damage.measure.house import house_summary
-    from damage.measure.summary import summarise
-    from damage.run.report import describe, describe_house, with_added
+    from damage.run.report import describe, summary_of
 
-    history = read_history(asked.history)
-    summaries = {}
-    for part in history.parts:
-        summaries[part.wall] = with_added(
-            summarise(
-                part,
-                asked.threshold_mm * MILLIMETRE,
-                asked.drift_limit_pct / 100,
-                asked.slip,
-                asked.psi_from_mm * MILLIMETRE,
-            ),
-            part,
-        )
-    warn(*dict.fromkeys(text for summary in summaries.values() for text in summary["warnings"]))
-    if history.is_house:
-        show(asked, house_summary(history, summaries), describe_house)
-    else:
-        show(asked, *summaries.values(), describe)
+    summary = summary_of(
+        read_history(asked.history),
+        asked.threshold_mm * MILLIMETRE,
+        asked.drift_limit_pct / 100,
+        asked.slip,
+        asked.psi_from_mm * MILLIMETRE,
+    )
+    show(asked, summary, describe)
 
 
 @command(

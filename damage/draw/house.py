@@ -25,11 +25,12 @@ from damage.history.info import origin
 from damage.history.moments import (
     JOINT_STATES,
     check_samples,
+    choose_sample,
     joint_states,
     nearest_snapshot,
 )
 from damage.house.placing import FACES
-from damage.measure.house import corner_joints, corners_table, largest_index, walls_table
+from damage.measure.house import corner_joints, corners_table, walls_table
 from damage.wall.geometry import kinds_of_bodies
 from damage.wall.kinds import TINY
 
@@ -51,14 +52,10 @@ VISIBLE_SHARE = 0.05  # largest drawn displacement over the height of the house
 
 
 def moment_of(history, sample):
-    """Sample of "max" (of the largest index of a wall), "end" or a number, with that index, and the
-    nearest snapshot or None."""
-    check_samples(history)
-    damage = largest_index(history)
-    named = {"max": int(damage.argmax()), "end": len(damage) - 1}
-    sample = int(named.get(sample, sample))
-    time_s = history.series["time_s"].iloc[sample]
-    return sample, float(damage[sample]), nearest_snapshot(history, time_s)
+    """A sample as of `choose_sample`, the largest index of a wall there, and the nearest snapshot
+    or None."""
+    sample, damage = choose_sample(history, sample)
+    return sample, damage, nearest_snapshot(history, history.series["time_s"].iloc[sample])
 
 
 def cracks(space, sample, snapshot, magnify, joints):
@@ -399,10 +396,9 @@ PICTURES = {
 
 
 def save_all(history, folder):
-    """Write all pictures of a History as PNG and PDF into `folder`, those of a house or of a wall;
-    returns their paths."""
-    if not history.is_house:
-        return run.save_all(history, folder)
+    """Write all pictures of a History as PNG and PDF into `folder`, created where missing, those of
+    a house or of a wall; returns their paths."""
+    pictures = PICTURES if history.kind == "house" else run.pictures_of(history)
     return style.save_figures(
-        ((name, draw(history)) for name, draw in PICTURES.items()), folder, origin(history)
+        ((name, draw(history)) for name, draw in pictures.items()), folder, origin(history)
     )

@@ -1,13 +1,12 @@
 """Pictures of a run: the wall and its cracks, the index, drift, hysteresis and energies over time.
 
 Each function takes a History and returns a matplotlib Figure, one journal column (90 mm) wide;
-`save_all` writes them all.  Only figure objects are used, so that pictures come out the same
-without a screen and inside any program.
+`damage.draw.house.save_all` writes them all.  Only figure objects are used, so that pictures come
+out the same without a screen and inside any program.
 """
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +16,6 @@ from damage.draw import style
 from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, WallShape, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
-from damage.history.info import origin
 from damage.history.moments import check_samples, choose_sample, choose_samples
 from damage.history.reader import History
 from damage.history.schema import is_moving
@@ -631,21 +629,21 @@ def pictures_beside(history: History) -> dict[str, Callable]:
     }
 
 
-def save_all(history: History, folder: str | Path) -> list[Path]:
-    """Write all pictures of a History as PNG and PDF into `folder`, created where missing; returns
-    their paths.
+def pictures_of(history: History) -> dict[str, Callable]:
+    """Return {file name without suffix: function that draws it} of a plane wall.
 
     Base shear against drift is named push where the top is pushed, and left out where there is no
     motion, as of ground that settles alone.
+
+    >>> list(pictures_of(history))[:3]
+    ['wall_max', 'wall_end', 'index']
     """
     chosen = PICTURES | pictures_beside(history)
     if "hysteresis" in chosen and not is_moving(history.series).any():
         del chosen["hysteresis"]
     elif is_pushed(history):
         chosen["push"] = chosen.pop("hysteresis", hysteresis_picture)
-    return style.save_figures(
-        ((name, draw(history)) for name, draw in chosen.items()), folder, origin(history)
-    )
+    return chosen
 
 
 def is_pushed(history: History) -> bool:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from damage.errors import InputError
+from damage.history.in_space import motion_of
 from damage.history.moments import (
     JOINT_STATES,
     choose_sample,
@@ -131,11 +132,7 @@ def shape_at(history, sample, damage, magnify=None, snapshot=None):
     """
     time_s = float(history.series["time_s"].iloc[sample])
     snapshot = nearest_snapshot(history, time_s) if snapshot is None else snapshot
-    motion = (
-        np.zeros((len(history.bodies), 3))
-        if snapshot is None
-        else history.displacement[snapshot].astype(float)
-    )
+    motion = motion_of(history, snapshot)
     if magnify is None:
         magnify = magnification(history.bodies, motion)
     supports = support_motion(history, snapshot)

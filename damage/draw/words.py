@@ -88,8 +88,7 @@ def run_title(history):
         motion = settlement_words(settlement) + (
             "" if motion == "no motion" else f", then {motion}"
         )
-    words = house_words if history.is_house else wall_words
-    return f"{words(history.wall)}, {motion}"
+    return f"{wall_words(history.wall, history.kind)}, {motion}"
 
 
 def settlement_words(settlement):
@@ -106,26 +105,15 @@ def settlement_words(settlement):
     )
 
 
-def wall_words(name):
-    """A wall's name as the start of a title.
+def wall_words(name, noun="wall"):
+    """The name of a wall, HOUSE:WALL in studies, or of a house, as the start of a title.
 
-    >>> wall_words("symmetric"), wall_words("north_wall_2")
-    ('Symmetric wall', 'North wall 2')
+    >>> wall_words("symmetric"), wall_words("north_wall_2"), wall_words("box", "house")
+    ('Symmetric wall', 'North wall 2', 'Box house')
+    >>> wall_words("terraced_house", "house"), wall_words("box:front")
+    ('Terraced house', 'Box, front wall')
     """
-    return _with_noun(name, "wall")
-
-
-def house_words(name):
-    """A house's name as the start of a title.
-
-    >>> house_words("box"), house_words("terraced_house")
-    ('Box house', 'Terraced house')
-    """
-    return _with_noun(name, "house")
-
-
-def _with_noun(name, noun):
-    words = name.replace("_", " ").strip()
+    words = name.replace("_", " ").replace(":", ", ").strip()
     words = words[:1].upper() + words[1:]
     return words if noun in words.lower().split() else f"{words} {noun}"
 

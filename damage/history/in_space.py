@@ -1,5 +1,4 @@
-"""Bodies and contact points of the history of a house in its x, y and z, at rest and as they
-move."""
+"""Bodies and contact points of a history in x, y and z, at rest and as they move."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,9 +6,50 @@ from functools import cached_property
 import numpy as np
 import scipy  # spatial where it is used: it starts slowly
 
+from damage.history.moments import support_motion
 from damage.history.reader import History
 from damage.house.placing import BOX
-from damage.wall.geometry import tributary_ends
+from damage.wall.geometry import body_corners, joint_segments, tributary_ends
+
+
+def motion_of(history, snapshot):
+    """Motion of the bodies in a snapshot in the planes of their walls, None for at rest, (n_bodies,
+    3) [m, m, rad]."""
+    return (
+        np.zeros((len(history.bodies), 3))
+        if snapshot is None
+        else history.displacement[snapshot].astype(float)
+    )
+
+
+@dataclass(frozen=True)
+class InPlane:
+    """What the History of a plane wall has in space, the joints on its front face."""
+
+    history: History
+
+    @property
+    def _half(self):
+        """Half the thickness [m]."""
+        return self.history.masonry_wall.brick.thickness / 2
+
+    def corners(self, snapshot):
+        """Corners of the bodies in a snapshot, as of `InSpace`."""
+        corners = body_corners(self.history.bodies, motion_of(self.history, snapshot))
+        return np.concatenate([_at(corners, y) for y in (self._half, -self._half)], axis=1)
+
+    def ends(self, snapshot):
+        """Ends of the contact points in a snapshot, as of `InSpace`."""
+        history = self.history
+        motion = motion_of(history, snapshot)
+        supports = support_motion(history, snapshot)
+        ends = joint_segments(history.joints, history.bodies, motion, supports=supports)
+        return _at(ends, -self._half)
+
+
+def _at(points, y):
+    """Points (..., 2) of the wall's plane as (..., 3) at a depth y [m]."""
+    return np.stack([points[..., 0], np.full(points.shape[:-1], y), points[..., 1]], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -59,7 +99,7 @@ class InSpace:
         if snapshot is None:
             return np.zeros((2, *self.centres.shape))
         history = self.history
-        along, up, turn = history.displacement[snapshot].astype(float).T
+        along, up, turn = motion_of(history, snapshot).T
         across, about_along, about_up = history.house.out_of_plane[snapshot].astype(float).T
         vectors = np.stack(
             [

@@ -34,7 +34,7 @@ def choose_sample(history: History, sample: str | int) -> tuple[int, float]:
     """
     check_samples(history)
     n_times = len(history.series)
-    damage = history.index()["DI"].to_numpy()
+    damage = history.largest_index
     if sample == "max":
         sample = int(np.argmax(damage))
     elif sample == "end":

@@ -18,7 +18,8 @@ class HouseRows(NamedTuple):
     the top along it, the largest across it, and that of the top across it (n_times, n_walls) [m];
     acceleration of the ground across the heading (n_times,) [m/s2], number of failed ties
     (n_times,); displacement across and
-    rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad]."""
+    rotations about the axes along the wall and upwards (n_snapshots, n_bodies, 3) [m, rad, rad];
+    outside: sign of y outside of the one wall that they are of, 0 of all walls of a house."""
 
     body_wall: np.ndarray
     joint_wall: np.ndarray
@@ -31,10 +32,11 @@ class HouseRows(NamedTuple):
     base_acceleration_m_s2: np.ndarray
     failed_ties: np.ndarray
     out_of_plane: np.ndarray
+    outside: int = 0
 
-    def of(self, number, body, joint):
+    def of(self, number, body, joint, outside):
         """The rows of a wall, by flags of its bodies and contact points."""
-        return HouseRows(
+        return self._replace(
             body_wall=0 * self.body_wall[body],
             joint_wall=0 * self.joint_wall[joint],
             joint_y_m=self.joint_y_m[joint],
@@ -43,26 +45,23 @@ class HouseRows(NamedTuple):
             top_displacement_m=self.top_displacement_m[:, [number]],
             across_m=self.across_m[:, [number]],
             top_across_m=self.top_across_m[:, [number]],
-            base_acceleration_m_s2=self.base_acceleration_m_s2,
-            failed_ties=self.failed_ties,
             out_of_plane=self.out_of_plane[:, body],
+            outside=outside,
         )
 
 
 def wall_of(history, name):
     """`History.of_wall`."""
-    walls = history.parameters["house"]["walls"] if history.house else []
-    names = (
-        [wall["wall"]["name"] for wall in walls] if history.is_house else FACES[: 2 * len(walls)]
-    )
+    house = history.house
+    names = () if house is None else FACES if house.outside else history.placing.names
     if name not in names:
         raise InputError(
             f"{history.path} has no wall or face {name}: expected"
             f" {'one of ' + ', '.join(names) if names else 'a plain name, as of no house'};"
             " correct it"
         )
-    if not history.is_house:
-        return face_of(history, name)
+    if house.outside:
+        return _of_face(history, name)
     number = names.index(name)
     return _of_wall(_with_slabs_in(history, number), name, number)
 
@@ -95,8 +94,7 @@ def _of_wall(history, name, number):
         parameters=history.parameters
         | {
             "wall": wall,
-            "house": history.parameters["house"]
-            | {"walls": [walls[number] | {"outside": outside, "left_m": 0.0}]},
+            "house": history.parameters["house"] | {"walls": [walls[number] | {"left_m": 0.0}]},
         },
         attributes=part.attributes
         | {"wall": name, "drift_height_m": height, "length_m": wall["length"]},
@@ -104,7 +102,7 @@ def _of_wall(history, name, number):
         bodies=history.bodies[body].assign(x_m=history.bodies["x_m"] - left).reset_index(drop=True),
         series=history.series.assign(top_displacement_m=top, drift_ratio=top / height),
         displacement=history.displacement[:, body],
-        house=house.of(number, body, joint),
+        house=house.of(number, body, joint, outside),
     )
 
 
@@ -124,10 +122,8 @@ def _ground_of(history, number):
     return (history.supports[below] - left).reset_index(drop=True), moved, below
 
 
-def face_of(history, face):
-    """`History.of_face`."""
-    (wall,) = history.parameters["house"]["walls"]
-    sign = wall.get("outside", 1) * (1 if face == "outside" else -1)
+def _of_face(history, face):
+    sign = history.house.outside * (1 if face == "outside" else -1)
     part = _with_joints(history, (np.sign(history.joints["y_m"]) == sign).to_numpy())
     joints = in_one_layer(part.joints)
     total = {"total_joint_length_m": float(joints["length_m"].sum())}

@@ -17,7 +17,7 @@ from damage.errors import InputError
 from damage.history import schema
 from damage.history.contacts import Contacts
 from damage.history.head import check_seal, read_head
-from damage.history.parts import HouseRows, face_of, wall_of
+from damage.history.parts import HouseRows, wall_of
 from damage.house.placing import Placing, placing_of
 from damage.house.space import SHARES
 from damage.index import DRIFT_LIMIT, THRESHOLD, damage_index
@@ -214,12 +214,14 @@ class History:
     def parts(self) -> "list[History]":
         """Histories of the walls of a house, FILE:WALL.h5, each in its plane; of a single wall this
         one."""
-        return [self.of_wall(name) for name in self.placing.names] if self.is_house else [self]
+        if self.house is None or self.house.outside:
+            return [self]
+        return [self.of_wall(name) for name in self.placing.names]
 
     @property
-    def is_house(self) -> bool:
-        """Whether it is of all walls of a house."""
-        return self.house is not None and "outside" not in self.parameters["house"]["walls"][0]
+    def kind(self) -> str:
+        """What it is of: "wall", or "house" of all walls of one."""
+        return "wall" if self.parts[0] is self else "house"
 
     def of_wall(self, name: str) -> "History":
         """The History of a wall of a house, in its plane and without the joints to other walls;
@@ -230,17 +232,14 @@ class History:
     def of_face(self, face: str) -> "History":
         """The History of a wall of a house as one of its FACES shows it, as of a plane wall: the
         contact points there, each with the whole of its length."""
-        return face_of(self, face)
+        return self.of_wall(face)
 
     def check_one_layer(self) -> None:
         """Raise InputError of a wall of a house, which has other cracks at each of its faces."""
         if "share" in self.joints:
-            stem = self.path.stem
-            suffix = self.path.suffix
-            place = stem if not self.is_house else f"{stem}:{self.placing.names[0]}"
             raise InputError(
                 f"{self.path} has cracks of its own at each face: expected one face of a wall, as"
-                f" {place}:outside{suffix}; give that"
+                f" {self.parts[0].path.stem}:outside{self.path.suffix}; give that"
             )
 
     @cached_property
@@ -290,6 +289,11 @@ class History:
                 total_length=self.joint_length_m.sum(),
             )
         return self._indices[asked].copy()
+
+    @property
+    def largest_index(self) -> np.ndarray:
+        """DI over time, (n_times,); of a house that of the wall where it is largest."""
+        return np.max([part.index()["DI"] for part in self.parts], axis=0)
 
     @cached_property
     def active(self) -> Contacts:

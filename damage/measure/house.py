@@ -78,11 +78,6 @@ def drift_across(history):
     return history.house.top_across_m[:, 0] / history.attributes["drift_height_m"]
 
 
-def largest_index(history):
-    """DI of a History over time, (n_times,); of a house of the wall where it is largest."""
-    return np.max([part.index()["DI"] for part in history.parts], axis=0)
-
-
 def walls_table(history):
     """Damage index, drift along and across, Psi of both faces of the walls of a house over time, a
     DataFrame; columns: WALLS."""

@@ -215,7 +215,7 @@ def write_run_tables(history, stem):
     STEM_info.json; returns the paths.  Of a house STEM_walls.csv, STEM_corners.csv, and those of
     each wall, STEM_WALL_index.csv and so on.  Raises InputError where the history has no sample."""
     check_samples(history)
-    if history.is_house:
+    if history.kind == "house":
         return [
             *(
                 write_table(table_of(history), Path(f"{stem}_{name}.csv"))

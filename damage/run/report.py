@@ -23,14 +23,9 @@ def report(history, pictures=True):
         warn(*warnings_of(history.parts[0]))
         print(f"{history.status}: no sample was written")
         return
-    summaries = {part.wall: with_added(summarise(part), part) for part in history.parts}
-    warn(*dict.fromkeys(text for summary in summaries.values() for text in summary["warnings"]))
-    if history.is_house:
-        print(describe_house(house_summary(history, summaries)))
-    else:
-        print(*map(describe, summaries.values()))
-        if history.series["shock"].iloc[-1] > 1:
-            print(*describe_events(shocks_table(history)), sep="\n")
+    print(describe(summary_of(history)))
+    if history.kind == "wall" and history.series["shock"].iloc[-1] > 1:
+        print(*describe_events(shocks_table(history)), sep="\n")
     if pictures:
         _draw(history)
     print(
@@ -52,9 +47,16 @@ def _draw(history):
         )
 
 
-def describe_house(summary):
-    """A `house_summary` as lines for people: what all walls have together, then each."""
-    return "\n\n".join([describe_together(summary), *map(describe, summary["walls"].values())])
+def summary_of(history, *limits):
+    """Summary of a run, a plain dictionary with what applications add: of a house `house_summary`,
+    else `summarise`, whose further arguments limits are; prints its warnings."""
+    walls = {}
+    for part in history.parts:
+        added = {name: measure(part) for name, (measure, _) in SUMMARY.items()}
+        known = {name: value for name, value in added.items() if value is not None}
+        walls[part.wall] = summarise(part, *limits) | known
+    warn(*dict.fromkeys(text for summary in walls.values() for text in summary["warnings"]))
+    return house_summary(history, walls) if history.kind == "house" else walls[history.wall]
 
 
 def check_pictures(path, overwrite=False):
@@ -69,7 +71,10 @@ def check_pictures(path, overwrite=False):
 
 
 def describe(summary):
-    """The summary as lines for people."""
+    """The summary of a run as lines for people, of a house what all walls have together, then
+    each."""
+    if "walls" in summary:
+        return "\n\n".join([describe_together(summary), *map(describe, summary["walls"].values())])
     collapsed = summary["collapsed_at_s"]
     lines = [
         f"{summary['wall']} / {summary['motion']} / {summary['solver']}: {summary['status']}"
@@ -86,9 +91,3 @@ def describe_events(table):
     """The events of a `shocks_table` as lines for people."""
     rows = {f"{row['shock']}: {row['motion']}": row for row in table.to_dict("records")}
     return table_of(rows, EVENTS)
-
-
-def with_added(summary, history):
-    """A summary with what applications add to it (`damage.run.options.SUMMARY`)."""
-    added = {name: measure(history) for name, (measure, _) in SUMMARY.items()}
-    return summary | {name: value for name, value in added.items() if value is not None}

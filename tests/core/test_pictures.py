@@ -19,6 +19,7 @@ import damage
 from damage import ModelOptions, Wall
 from damage.draw import run as pictures
 from damage.draw import style
+from damage.draw.house import save_all
 from damage.draw.run import (
     drift_picture,
     energy_picture,
@@ -27,7 +28,6 @@ from damage.draw.run import (
     hysteresis_picture,
     index_picture,
     plot_wall,
-    save_all,
     wall_picture,
 )
 from damage.draw.wall import line_width, wall_shape

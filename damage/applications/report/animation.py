@@ -23,7 +23,6 @@ from damage.draw.run import THIN, draw_wall, joint_handles, show_all
 from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
 from damage.errors import InputError
 from damage.files import whole_or_nothing
-from damage.measure.house import largest_index
 from damage.wall.geometry import body_corners
 
 
@@ -114,7 +113,7 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
             f"--window {start:g} {end:g} holds {len(chosen)} snapshots; expected up to {most}, give"
             " a shorter one"
         )
-    top = series["time_s"].iloc[int(largest_index(history).argmax())]
+    top = series["time_s"].iloc[int(history.largest_index.argmax())]
     first = int(np.clip(np.argmin(np.abs(times - top)) - most // 2, 0, len(chosen) - most))
     return chosen[first : first + most]
 
@@ -123,11 +122,28 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
 def _shoot(history, snapshots, magnify, writer, path):
     times = history.series["time_s"].to_numpy()
     samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
-    stage = _house_stage if history.is_house else _stage
-    figure, show = stage(history, snapshots, samples, magnify)
+    damage = history.largest_index
+    figure, (above, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
+    clock = above.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
+    stage = _house_stage if history.kind == "house" else _stage
+    magnify, height, handles, show = stage(history, snapshots, above, below, magnify)
+    below.set(
+        xlabel="time [s]",
+        xlim=(
+            times[samples[0]],
+            1e-9 + max(times[samples[-1]], history.snapshot_time_s[snapshots[-1]]),
+        ),
+    )
+    mark = below.axvline(times[samples[0]], color=style.VERMILLION, lw=1)
+    figure.set_size_inches(style.COLUMN_WIDTH, height)
+    style.add_title(figure, history, _pace(history, snapshots, magnify))
+    style.legend_below(figure, handles, columns=3)
+    _fix(figure)
     with writer.saving(figure, path, DOTS_PER_INCH):
         for sample, snapshot in zip(samples, snapshots):
-            show(sample, snapshot)
+            time_s = show(sample, snapshot)
+            clock.set_text(f"{time_s:.3f} s, DI {damage[sample]:.3f}")
+            mark.set_xdata([time_s] * 2)
             writer.grab_frame()
 
 
@@ -137,40 +153,34 @@ def _common_magnification(history, snapshots):
     return min((magnification(history.bodies, motion) for motion in motions), default=1.0)
 
 
-def _stage(history, snapshots, samples, magnify):
-    """The figure, and a function that draws a sample and snapshot in it."""
+def _stage(history, snapshots, above, below, magnify):
+    """Draw a wall above, drift and index over time below; returns the factor on displacements, the
+    height of the figure [inch], handles of a legend, and a function that draws a sample and
+    snapshot and returns the time of what it shows [s]."""
     magnify = _common_magnification(history, snapshots) if magnify is None else magnify
-    damage = history.index()["DI"].to_numpy()
+    damage = history.largest_index
     gravest = wall_shape(history, "max", magnify=magnify)
-    figure, (wall, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
-    draw_wall(wall, gravest)
+    draw_wall(above, gravest)
     ratio = show_all(
-        wall,
+        above,
         *(
             body_corners(history.bodies, history.displacement[k].astype(float), magnify)
             for k in snapshots
         ),
         ground=False,
     )
-    gravest = gravest.on_page(span_m=(np.ptp(wall.get_xlim()), np.ptp(wall.get_ylim())))
+    gravest = gravest.on_page(span_m=(np.ptp(above.get_xlim()), np.ptp(above.get_ylim())))
     labels = 0.45  # [inch] that ticks and labels take beside and below
-    figure.set_size_inches(
-        style.COLUMN_WIDTH, min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels
-    )
-    clock = wall.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
-    mark = _draw_below(below, history, samples, history.snapshot_time_s[snapshots[-1]])
-    style.add_title(figure, history, _pace(history, snapshots, magnify))
-    style.legend_below(figure, joint_handles(gravest), columns=3)
-    _fix(figure)
-    drawn = {collection.get_label(): collection for collection in wall.collections}
+    _draw_below(below, history)
+    drawn = {collection.get_label(): collection for collection in above.collections}
 
     def show(sample, snapshot):
         shape = shape_at(history, sample, damage[sample], magnify=magnify, snapshot=snapshot)
         _update(drawn, replace(shape, widest_pt=gravest.widest_pt))
-        clock.set_text(f"{shape.time_s:.3f} s, DI {shape.index:.3f}")
-        mark.set_xdata([shape.time_s, shape.time_s])
+        return shape.time_s
 
-    return figure, show
+    height = min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels
+    return magnify, height, joint_handles(gravest), show
 
 
 def _pace(history, snapshots, magnify):
@@ -189,34 +199,26 @@ def _fix(figure):
     figure.set_layout_engine("none")
 
 
-def _house_stage(history, snapshots, samples, magnify):
-    """As `_stage`, of a house in perspective, about which the eye goes, once at most."""
-    figure, (above, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 1.6))
+def _house_stage(history, snapshots, above, below, magnify):
+    """As `_stage`, of a house in perspective, about which the eye goes, once at most; below the
+    indices of its walls."""
     seen = Perspective(above, history, (72 * style.COLUMN_WIDTH,) * 2)
     magnify = house_magnification(seen.space, snapshots) if magnify is None else magnify
     step = min(MOST_TURN_DEG, 360 / len(snapshots))
     turn = dict(zip(snapshots, seen.azimuth + step * np.arange(len(snapshots))))
     ratio = seen.fit(np.arange(0, 360, 15))
-    figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5) * 1.35)
-    clock = above.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])
     time_s = history.series["time_s"].to_numpy()
-    damage = largest_index(history)
     for part, (colour, line) in zip(history.parts, LINES):
         below.plot(time_s, part.index()["DI"], color=colour, ls=line, label=part.wall)
-    below.set(xlabel="time [s]", ylabel="DI [-]", ylim=(0, None))
-    below.set_xlim(time_s[samples[0]], max(time_s[samples[-1]], time_s[samples[0]] + 1e-9))
-    mark = below.axvline(time_s[samples[0]], color=style.DARK, lw=1)
-    style.add_title(figure, history, _pace(history, snapshots, magnify))
-    handles = [*below.get_lines()[:-1], *legend_of(history, int(damage.argmax()), seen.widest_pt)]
-    style.legend_below(figure, handles, columns=3)
-    _fix(figure)
+    below.set(ylabel="DI [-]", ylim=(0, None))
 
     def show(sample, snapshot):
         seen.show(sample, snapshot, magnify, turn[snapshot])
-        clock.set_text(f"{time_s[sample]:.3f} s, largest DI {damage[sample]:.3f}")
-        mark.set_xdata([time_s[sample]] * 2)
+        return time_s[sample]
 
-    return figure, show
+    states = legend_of(history, int(history.largest_index.argmax()), seen.widest_pt)
+    height = 1.4 * min(style.COLUMN_WIDTH * ratio, 4.5)
+    return magnify, height, [*below.get_lines(), *states], show
 
 
 def _update(drawn, shape):
@@ -231,23 +233,15 @@ def _update(drawn, shape):
         drawn[state].set_linewidths([THIN[state]] if state in THIN else shape.line_width(chosen))
 
 
-def _draw_below(ax, history, samples, until_s):
-    """Draw drift ratio and index over the time shown; returns the line that marks a time.
-
-    until_s: time of the last snapshot [s], which may follow the last sample.
-    """
+def _draw_below(ax, history):
+    """Draw drift ratio and index over time."""
     time_s = history.series["time_s"].to_numpy()
     drift, unit = style.scaled_drift(history)
     ax.plot(time_s, drift, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
-    ax.set(
-        ylabel=f"drift [{unit}]",
-        xlabel="time [s]",
-        xlim=(time_s[samples[0]], max(time_s[samples[-1]], until_s) + 1e-9),
-    )
+    ax.set(ylabel=f"drift [{unit}]")
     ax.yaxis.label.set_color(style.BLUE)
     right = ax.twinx()
-    right.plot(time_s, history.index()["DI"], color=style.BLACK)
+    right.plot(time_s, history.largest_index, color=style.BLACK)
     right.set(ylabel="DI [-]", ylim=(0, None))
     right.spines["right"].set_visible(True)
-    return ax.axvline(time_s[samples[0]], color=style.VERMILLION, lw=1)

@@ -149,7 +149,7 @@ def _runs(histories, language):
     """The parts of runs, of a house those of its walls."""
     walls = [part for history in histories for part in history.parts]
     if len(walls) > len(LETTERS):  # of a large house no wall by itself
-        walls = [history for history in histories if not history.is_house]
+        walls = [history for history in histories if history.kind == "wall"]
     return [run_part(*one, language) for one in zip(walls, LETTERS)]
 
 
@@ -160,7 +160,7 @@ def _houses(histories, runs):
             history, {part.wall: known.get(part.path) or summarise(part) for part in history.parts}
         )
         for history in histories
-        if history.is_house
+        if history.kind == "house"
     ]
 
 

@@ -24,10 +24,9 @@ import numpy as np
 import pandas as pd
 
 from damage.files import write_bytes
-from damage.history.in_space import InSpace
+from damage.history.in_space import InPlane, InSpace, motion_of
 from damage.history.moments import check_samples, joint_states, nearest_snapshot, support_motion
 from damage.history.reader import History
-from damage.wall.geometry import body_corners, joint_segments, tributary_ends
 from damage.wall.kinds import rows
 
 VERSION = 2, 2
@@ -54,8 +53,7 @@ def write_vtkhdf(history, path):
     check_samples(history)
     content = io.BytesIO()  # HDF5 itself cannot be left in order once a write has failed
     with h5py.File(content, "w") as file:
-        cells = HouseCells if history.is_house else WallCells
-        _fill(file.create_group("VTKHDF"), cells(history))
+        _fill(file.create_group("VTKHDF"), Cells(history))
     return write_bytes(path, content.getbuffer())
 
 
@@ -78,7 +76,7 @@ def _fill(root, cells):
     steps = _steps(root, time_s)
     samples = np.arange(len(time_s))
     n_snapshots = len(cells.history.snapshot_time_s)
-    shapes = [*range(n_snapshots), -1]  # the last: at rest
+    shapes = [*range(n_snapshots), None]  # the last: at rest
     shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
     keep = partial(_keep, root, steps)
     keep("PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
@@ -126,20 +124,25 @@ def _keep(root, steps, kind, blocks, block_of_step, make):
 
 
 @dataclass(frozen=True)
-class WallCells:
-    """The cells of a history's wall, and what is known of them at its samples; n_cells = n_bodies +
-    n_joints."""
+class Cells:
+    """The cells of a wall or a house, and what is known of them at the samples of its history;
+    n_cells = n_bodies + n_joints."""
 
     history: History
 
     @cached_property
     def points(self):
         """Points at rest, (n_points, 3) [m]: eight a body, then two a contact point."""
-        half = self.history.masonry_wall.brick.thickness / 2
-        corners = body_corners(self.history.bodies)
-        bodies = np.concatenate([_at(corners, half), _at(corners, -half)], axis=1)
+        return self._placed(None)
+
+    @cached_property
+    def _space(self):
+        return (InSpace if self.history.kind == "house" else InPlane)(self.history)
+
+    def _placed(self, snapshot):
+        """The points in a snapshot, None for at rest, (n_points, 3) [m]."""
         return np.concatenate(
-            [bodies.reshape(-1, 3), _at(tributary_ends(self.history.joints), -half).reshape(-1, 3)]
+            [places(snapshot).reshape(-1, 3) for places in (self._space.corners, self._space.ends)]
         )
 
     @cached_property
@@ -150,11 +153,14 @@ class WallCells:
     @cached_property
     def fixed(self):
         """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint,
-        rows of the history's tables, -1 in cells that are none; course; length_m; elastic."""
+        rows of the history's tables, -1 in cells that are none; course; length_m; elastic; of a
+        house the number of its wall, -1 of joints between two."""
         bodies = self.history.bodies
         joints = self.history.joints
         course = bodies["course"].to_numpy()
         kinds = joints["kind"].map({"bed": 2, "head": 3, "brick": 4})
+        house = self.history.house
+        more = {"wall": (house.body_wall, house.joint_wall)} if self.history.kind == "house" else {}
         return {
             "part": self._joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
             "body": self._joined(np.arange(len(bodies)), -1),
@@ -162,6 +168,7 @@ class WallCells:
             "course": self._joined(course, -1),
             "length_m": self._joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
             "elastic": self._joined(0, joints["elastic"].to_numpy()).astype(np.int8),
+            **{name: self._joined(*numbers) for name, numbers in more.items()},
         }
 
     @cached_property
@@ -174,27 +181,14 @@ class WallCells:
         return np.array([-1 if snapshot is None else snapshot for snapshot in nearest])
 
     def displacement(self, snapshot):
-        """How far the points have moved in a snapshot, (n_points, 3) [m]; -1: at rest."""
-        motion = self._motion(snapshot)
-        at_rest = self._motion(-1)
-        bodies = self.history.bodies
-        joints = self.history.joints
-        moved = _at(body_corners(bodies, motion) - body_corners(bodies), 0.0)
-        supports = support_motion(self.history, None if snapshot < 0 else snapshot)
-        ends = _at(
-            joint_segments(joints, bodies, motion, supports=supports)
-            - joint_segments(joints, bodies, at_rest),
-            0.0,
-        )
-        return np.concatenate(
-            [np.tile(moved, (1, 2, 1)).reshape(-1, 3), ends.reshape(-1, 3)]
-        ).astype(np.float32)
+        """How far the points have moved in a snapshot, None for at rest, (n_points, 3) [m]."""
+        return (self._placed(snapshot) - self.points).astype(np.float32)
 
     def rotation(self, snapshot):
-        """Rotation of every cell in a snapshot, x towards z, (n_cells,) [rad]: of a joint the mean
-        of its bodies'."""
-        of_bodies = self._motion(snapshot)[:, 2]
-        supports = support_motion(self.history, None if snapshot < 0 else snapshot).motion[:, 2]
+        """Rotation of every cell in a snapshot in the plane of its wall, x towards z, (n_cells,)
+        [rad]: of a joint the mean of its bodies'."""
+        of_bodies = motion_of(self.history, snapshot)[:, 2]
+        supports = support_motion(self.history, snapshot).motion[:, 2]
         joints = self.history.joints
         rotation = np.concatenate([of_bodies, supports])
         first, second = (
@@ -234,24 +228,21 @@ class WallCells:
 
     @cached_property
     def numbers(self):
-        """A DataFrame with a row a sample: DI and its components, those of SERIES, snapshot_time_s,
-        NaN where none."""
-        index = self.history.index().drop(columns=["time_s", "drift_over_limit"])
-        series = self.history.series[list(SERIES)].reset_index(drop=True)
-        return pd.concat([index, series], axis=1).assign(snapshot_time_s=self._shown_s())
-
-    def _shown_s(self):
-        """Time of the snapshot that is nearest to each sample, (n_times,) [s], NaN where none is
-        near."""
-        return np.append(self.history.snapshot_time_s, np.nan)[self.snapshot_of]
-
-    def _motion(self, snapshot):
-        """Motion of the bodies in a snapshot (n_bodies, 3) [m, m, rad]; -1: at rest."""
-        return (
-            np.zeros((len(self.history.bodies), 3))
-            if snapshot < 0
-            else self.history.displacement[snapshot].astype(float)
-        )
+        """A DataFrame with a row a sample: DI and its components, of a house those of each wall
+        under its name, with its drift along and displacement across; those of SERIES; time of the
+        snapshot that is nearest, snapshot_time_s, NaN where none is near."""
+        history = self.history
+        tables = []
+        for part in history.parts:
+            table = part.index().drop(columns=["time_s", "drift_over_limit"])
+            if part is not history:
+                drift = part.series["drift_ratio"].to_numpy()
+                table = table.assign(drift_ratio=drift, across_m=part.house.across_m[:, 0])
+                table = table.add_suffix(f"_{part.wall}")
+            tables.append(table)
+        tables.append(history.series[list(SERIES)].reset_index(drop=True))
+        shown_s = np.append(history.snapshot_time_s, np.nan)[self.snapshot_of]
+        return pd.concat(tables, axis=1).assign(snapshot_time_s=shown_s)
 
     def _joined(self, of_bodies, of_joints):
         """One array for all cells of values of the bodies and of the joints, arrays or numbers."""
@@ -264,47 +255,3 @@ class WallCells:
                 )
             ]
         )
-
-
-class HouseCells(WallCells):
-    """Cells of a house, in space; rotations are those in the planes of the walls."""
-
-    @cached_property
-    def points(self):
-        """Corners as of WallCells."""
-        return self._placed(-1)
-
-    def displacement(self, snapshot):
-        """Displacements as of WallCells."""
-        return (self._placed(snapshot) - self.points).astype(np.float32)
-
-    @cached_property
-    def fixed(self):
-        """Numbers as of WallCells, and wall: number of it, -1 of joints between two."""
-        house = self.history.house
-        return super().fixed | {"wall": self._joined(house.body_wall, house.joint_wall)}
-
-    @cached_property
-    def numbers(self):
-        """Numbers as of WallCells, but the index, its components, drift along and displacement
-        across of each wall, under its name."""
-        columns = self.history.series[list(SERIES)].reset_index(drop=True)
-        for part in self.history.parts:
-            index = part.index().drop(columns=["time_s", "drift_over_limit"])
-            index["drift_ratio"] = part.series["drift_ratio"].to_numpy()
-            index["across_m"] = part.house.across_m[:, 0]
-            columns = columns.join(index.add_suffix(f"_{part.wall}"))
-        return columns.assign(snapshot_time_s=self._shown_s())
-
-    def _placed(self, snapshot):
-        """Points in the house in a snapshot, (n_points, 3) [m]; -1: at rest."""
-        space = InSpace(self.history)
-        snapshot = None if snapshot < 0 else snapshot
-        return np.concatenate(
-            [places(snapshot).reshape(-1, 3) for places in (space.corners, space.ends)]
-        )
-
-
-def _at(points, y):
-    """Points (..., 2) of the wall's plane as (..., 3) at a depth y [m]."""
-    return np.stack([points[..., 0], np.full(points.shape[:-1], y), points[..., 1]], axis=-1)

@@ -9,7 +9,7 @@ from environments import environment, run_in
 from numpy.testing import assert_allclose, assert_array_equal
 from small_history import make_history, small_layout
 
-from damage.applications.report.vtkhdf import HEXAHEDRON, LINE, WallCells, write_vtkhdf
+from damage.applications.report.vtkhdf import HEXAHEDRON, LINE, Cells, write_vtkhdf
 from damage.history.moments import JOINT_STATES
 
 TURN = 0.2  # [rad] of the last brick in the second snapshot
@@ -35,7 +35,7 @@ def history(tmp_path_factory):
 
 class TestCells:
     def test_a_brick_is_a_hexahedron_of_its_own_size(self, history):
-        cells = WallCells(history)
+        cells = Cells(history)
         brick = history.masonry_wall.brick
         bodies = history.bodies
         assert list(cells.types) == [HEXAHEDRON] * len(bodies) + [LINE] * len(history.joints)
@@ -48,14 +48,14 @@ class TestCells:
         assert_allclose(volume, bodies.length_m[0] * brick.thickness * bodies.height_m[0])
 
     def test_a_joint_is_a_line_of_its_tributary_length_on_the_front_face(self, history):
-        cells = WallCells(history)
+        cells = Cells(history)
         joints = history.joints
         ends = cells.points[8 * len(history.bodies) :].reshape(-1, 2, 3)
         assert_allclose(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), joints.length_m)
         assert np.all(ends[..., 1] == -history.masonry_wall.brick.thickness / 2)
 
     def test_corners_turn_with_their_brick(self, history):
-        cells = WallCells(history)
+        cells = Cells(history)
         last = int(np.flatnonzero(history.bodies.course >= 0)[-1])
         moved = cells.displacement(1)[8 * last : 8 * last + 8]
         corner = cells.points[8 * last + 2] - np.mean(cells.points[8 * last : 8 * last + 8], axis=0)
@@ -64,10 +64,10 @@ class TestCells:
         there = (2e-3 + np.cos(TURN) * x - np.sin(TURN) * z, np.sin(TURN) * x + np.cos(TURN) * z)
         assert_allclose(moved[2], (there[0] - x, 0.0, there[1] - z), rtol=1e-5)
         assert_allclose(cells.rotation(1)[last], TURN, rtol=1e-6)
-        assert np.all(cells.displacement(0) == 0) and np.all(cells.displacement(-1) == 0)
+        assert np.all(cells.displacement(0) == 0) and np.all(cells.displacement(None) == 0)
 
     def test_joints_have_their_state_and_bodies_have_none(self, history):
-        fields = WallCells(history).joint_fields(15)
+        fields = Cells(history).joint_fields(15)
         first = len(history.bodies)
         assert fields["state"][first + 3] == JOINT_STATES.index("opened")
         assert fields["state"][first + 5] == JOINT_STATES.index("slipped")
@@ -79,7 +79,7 @@ class TestCells:
 class TestVtkhdf:
     def test_a_step_finds_its_own_values_by_its_offsets(self, history, tmp_path):
         write_vtkhdf(history, tmp_path / "small.vtkhdf")
-        cells = WallCells(history)
+        cells = Cells(history)
         with h5py.File(tmp_path / "small.vtkhdf") as file:
             root = file["VTKHDF"]
             steps = file["VTKHDF/Steps"]
@@ -113,7 +113,7 @@ def test_vtk_reads_what_the_history_holds(vtk_python, history, tmp_path):
     path = tmp_path / "small.vtkhdf"
     write_vtkhdf(history, path)
     sample = 15
-    cells = WallCells(history)
+    cells = Cells(history)
     found = json.loads(run_in(vtk_python, "read_vtk.py", path, str(sample)))
     n_bodies = len(history.bodies)
     n_joints = len(history.joints)
