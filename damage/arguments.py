@@ -82,20 +82,20 @@ def number_from(least, most, kind=float):
     return convert
 
 
-def arg(*names, **options):
+def arg(name, help_=None, **options):
     """A function that adds this argument to a parser, or a group of one, as `add_argument` takes
     it."""
-    return lambda parser: parser.add_argument(*names, **options)
+    return lambda parser: parser.add_argument(name, help=help_, **options)
 
 
 def file_arg(name, metavar, help_=None, **options):
     """An `arg` that is a path."""
-    return arg(name, type=file_path, metavar=metavar, help=help_, **options)
+    return arg(name, help_, type=file_path, metavar=metavar, **options)
 
 
 def flag(name, help_, **options):
     """An option without a value."""
-    return arg(name, action="store_true", help=help_, **options)
+    return arg(name, help_, action="store_true", **options)
 
 
 def group(title, *arguments):

@@ -34,9 +34,9 @@ from damage.units import MILLIMETRE
         DAMAGE,
         arg(
             "--slip",
+            "when a joint counts as slipped (default displacement)",
             choices=SLIP_CRITERIA,
             default="displacement",
-            help="when a joint counts as slipped (default displacement)",
         ),
     ),
     PSI_FROM,
@@ -98,9 +98,9 @@ def _plot(asked):
     JSON,
     arg(
         "--at",
+        "rest, max, end, times [s] (default rest,max,end)",
         metavar="MOMENT,...",
         default="rest,max,end",
-        help="rest, max, end, times [s] (default rest,max,end)",
     ),
     out("folder for tables and pictures", required=False),
     STYLE,

@@ -150,7 +150,7 @@ def _reference(words, quiet):
 @command(
     "does this machine compute the published histories, bit for bit? Runs of every kind, under a"
     " minute after the first compilation; exit status 1 where one differs",
-    arg("runs", metavar="RUN", nargs="*", help="of these alone (default: all short ones)"),
+    arg("runs", "of these alone (default: all short ones)", metavar="RUN", nargs="*"),
     flag("--long", "the longer runs, too"),
     examples=("", "harmonic softening", "--long"),
 )
@@ -185,10 +185,10 @@ def _check_bits(asked):
     file_arg("file", "FILE.toml"),
     arg(
         "--from",
+        "the wall that is copied (default symmetric); an unknown one lists all",
         dest="source",
         metavar="NAME",
         default="symmetric",
-        help="the wall that is copied (default symmetric); an unknown one lists all",
     ),
     examples=("my_wall.toml", "my_wall.toml --from solid"),
 )
@@ -215,12 +215,10 @@ def _new_wall(asked):
         *PREPARATION,
         arg(
             "--period",
+            "first period of a wall (of `modes`): also Sa there, of the motion as that wall"
+            " gets it, interpolated where its steps are coarse",
             type=number_from(*PERIODS_S),
             metavar="T1_S",
-            help=(
-                "first period of a wall (of `modes`): also Sa there, of the motion as that wall"
-                " gets it, interpolated where its steps are coarse"
-            ),
         ),
     ),
     JSON,

@@ -55,7 +55,7 @@ def moment_of(history, sample):
     """A sample as of `choose_sample`, the largest index of a wall there, and the nearest snapshot
     or None."""
     sample, damage = choose_sample(history, sample)
-    return sample, damage, nearest_snapshot(history, history.series["time_s"].iloc[sample])
+    return sample, damage, nearest_snapshot(history, history.time_s[sample])
 
 
 def cracks(space, sample, snapshot, magnify, joints):
@@ -224,7 +224,7 @@ def legend_of(history, sample, widest_pt):
 
 
 def _moment(history, sample, damage):
-    time_s = history.series["time_s"].iloc[sample]
+    time_s = history.time_s[sample]
     return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}"
 
 

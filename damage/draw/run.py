@@ -139,11 +139,7 @@ def has_heap(history: History) -> bool:
     False
     """
     times = history.snapshot_time_s
-    return (
-        history.collapsed_at_s is not None
-        and len(times) > 0
-        and times[-1] > history.series["time_s"].iloc[-1]
-    )
+    return history.collapsed_at_s is not None and len(times) > 0 and times[-1] > history.time_s[-1]
 
 
 @style.styled
@@ -229,7 +225,7 @@ def contact_force_picture(history: History, moment: str | float = "max") -> Figu
         style.line_handle(style.BLACK, "thrust"),
         style.line_handle(style.BLACK, "middle third", 0.5, ":"),
     ]
-    time_s = history.series["time_s"].iloc[sample]
+    time_s = history.time_s[sample]
     return _with_words(
         figure,
         show_all(ax, corners),
@@ -392,7 +388,7 @@ def index_picture(history: History) -> Figure:
     'damage index [-]'
     """
     sample, largest = choose_sample(history, "max")
-    time_s = history.series["time_s"].to_numpy()
+    time_s = history.time_s
     figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
     base = _draw_drive(above, history, time_s)
     lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
@@ -484,7 +480,7 @@ def drift_picture(history: History) -> Figure:
         for side in (-value, value):
             ax.axhline(side, color=style.MEDIUM, lw=0.6, ls=line, label=f"{value:.3f} %: {label}")
     handles = ax.get_lines()[::2]
-    ax.plot(history.series["time_s"], drift, color=style.BLUE)
+    ax.plot(history.time_s, drift, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
     ax.set(ylabel=f"drift ratio [{unit}]")
     style.add_title(figure, history)
@@ -534,9 +530,7 @@ def hysteresis_picture(history: History) -> Figure:
                 label="push" if name == "motion" and pushed else name,
             )
     if history.collapsed_at_s is not None:
-        sample = int(
-            np.argmin(np.abs(history.series["time_s"].to_numpy() - history.collapsed_at_s))
-        )
+        sample = int(np.argmin(np.abs(history.time_s - history.collapsed_at_s)))
         ax.plot(
             drift[sample],
             shear_kn[sample],

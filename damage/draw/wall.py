@@ -130,7 +130,7 @@ def shape_at(history, sample, damage, magnify=None, snapshot=None):
     follows bricks beyond the last sample, joints are left out whose bricks are no longer beside
     each other.
     """
-    time_s = float(history.series["time_s"].iloc[sample])
+    time_s = float(history.time_s[sample])
     snapshot = nearest_snapshot(history, time_s) if snapshot is None else snapshot
     motion = motion_of(history, snapshot)
     if magnify is None:
@@ -139,10 +139,7 @@ def shape_at(history, sample, damage, magnify=None, snapshot=None):
     segments = geometry.joint_segments(history.joints, history.bodies, motion, magnify, supports)
     cuts = geometry.cuts_of_lintels(history.joints, history.bodies)
     segments[cuts] = np.nan
-    if (
-        snapshot is not None
-        and history.snapshot_time_s[snapshot] > history.series["time_s"].iloc[-1]
-    ):
+    if snapshot is not None and history.snapshot_time_s[snapshot] > history.time_s[-1]:
         time_s = float(history.snapshot_time_s[snapshot])
         segments[
             geometry.joint_gaps(history.joints, history.bodies, motion, supports) > WIDEST_JOINT

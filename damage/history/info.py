@@ -53,13 +53,13 @@ def check(path: str | Path) -> dict:
         unknown = dict.fromkeys(("status", "samples", "until_s"))
         return {"file": str(path), "worth": DAMAGED, **unknown, "says": str(error)}
     worth = OPEN if not head.sealed else WHOLE if history.complete else ENDED_EARLY
-    time_s = history.series["time_s"]
+    time_s = history.time_s
     return {
         "file": str(path),
         "worth": worth,
         "status": history.status,
         "samples": len(time_s),
-        "until_s": float(time_s.iloc[-1]) if len(time_s) else None,
+        "until_s": float(time_s[-1]) if len(time_s) else None,
         "says": WORTH[worth],
     }
 

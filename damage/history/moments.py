@@ -62,7 +62,7 @@ def choose_samples(history: History, moments: Sequence[str | float]) -> list[int
 def _sample_of(history, moment):
     if moment in ("rest", "max", "end"):
         return choose_sample(history, 0 if moment == "rest" else moment)[0]
-    times = history.series["time_s"].to_numpy()
+    times = history.time_s
     step = np.diff(times).max(initial=0.0)
     try:
         time_s = float(moment)
@@ -109,9 +109,7 @@ def support_motion(history: History, snapshot: int | None) -> SupportMotion | No
     """SupportMotion at a snapshot, None for the end of the static stage."""
     motion = np.zeros((len(history.supports), 3))
     if snapshot is not None and len(history.series):
-        sample = np.argmin(
-            np.abs(history.series["time_s"].to_numpy() - history.snapshot_time_s[snapshot])
-        )
+        sample = np.argmin(np.abs(history.time_s - history.snapshot_time_s[snapshot]))
         motion = history.support_displacement[sample].astype(float)
     supports = history.supports
     return SupportMotion(supports["left_m"].to_numpy(), supports["right_m"].to_numpy(), motion)

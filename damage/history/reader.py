@@ -195,6 +195,15 @@ class History:
             if loading == self.loading
         )
 
+    @cached_property
+    def time_s(self) -> np.ndarray:
+        """Times of the samples since the start of the (first) motion, (n_times,) [s].
+
+        >>> history.time_s[-1].round(3)
+        0.2
+        """
+        return self.series["time_s"].to_numpy()
+
     @property
     def time_step_s(self) -> float | None:
         """Time step of the solver [s]."""
@@ -277,7 +286,7 @@ class History:
         if asked not in self._indices:
             active = self.active
             self._indices[asked] = damage_index(
-                self.series["time_s"].to_numpy(),
+                self.time_s,
                 self.series["drift_ratio"].to_numpy(),
                 active.opening_m,
                 active.slip_by(slip),
@@ -481,7 +490,7 @@ def _decode(frame, column, names):
 def _end_of(history):
     """The status, when the wall collapsed, where it did, and how many samples there are."""
     fell = history.collapsed_at_s
-    time_s = history.series["time_s"]
+    time_s = history.time_s
     collapse = "" if fell is None else f", collapsed at {fell:.3f} s"
-    last = f" to {time_s.iloc[-1]:.3f} s" if len(time_s) else ""
+    last = f" to {time_s[-1]:.3f} s" if len(time_s) else ""
     return f"{history.status}{collapse}, {len(time_s)} samples{last}"

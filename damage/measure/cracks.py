@@ -221,7 +221,7 @@ def psi_history(history: History, threshold: float = PSI_FROM) -> pd.DataFrame:
     mean = mean_width(width, length)
     return pd.DataFrame(
         {
-            "time_s": history.series["time_s"].to_numpy(),
+            "time_s": history.time_s,
             "psi": psi_value(count, mean),
             "cracks": count,
             "crack_length_m": is_cracked @ length,

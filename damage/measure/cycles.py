@@ -88,7 +88,7 @@ def cycles_table(history: History) -> pd.DataFrame:
     [['free', 0.1, 0.001], ['free', 0.1, 0.001]]
     """
     values = index_by_all(history).assign(
-        drift_ratio=history.series["drift_ratio"].abs(), time_s=history.series["time_s"]
+        drift_ratio=history.series["drift_ratio"].abs(), time_s=history.time_s
     )
     rows = []
     for event, members in history.series.groupby("shock"):

@@ -122,7 +122,7 @@ def storey_drifts(history):
             levels[round(z, 6)] = np.union1d(levels.get(round(z, 6), ()), chosen).astype(int)
     heights = np.array([0.0, *sorted(levels), top])
     moved = history.displacement[:, :, 0].astype(float)
-    sample = np.searchsorted(history.series["time_s"].to_numpy(), history.snapshot_time_s - 1e-9)
+    sample = np.searchsorted(history.time_s, history.snapshot_time_s - 1e-9)
     sample = np.minimum(sample, len(history.series) - 1)
     ends = [
         *(moved[:, levels[z]].mean(axis=1) for z in sorted(levels)),

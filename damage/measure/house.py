@@ -121,7 +121,7 @@ def corners_table(history):
             pd.DataFrame(
                 {
                     "corner": " / ".join(walls),
-                    "time_s": history.series["time_s"],
+                    "time_s": history.time_s,
                     "opening_m": contacts.opening_m[:, in_corner].max(axis=1, initial=0.0),
                     "offset_m": np.abs(contacts.offset_m[:, in_corner]).max(axis=1, initial=0.0),
                     "failed_share": contacts.broken[:, in_corner].sum(axis=1) / len(joints),

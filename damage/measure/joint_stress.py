@@ -108,7 +108,7 @@ def sections_table(history, moments=MOMENTS):
     tables = sections(history)
     for moment, sample in zip(moments, choose_samples(history, moments)):
         stress = history.joint_stress_pa[sample].astype(float)
-        time_s = float(history.series["time_s"].iloc[sample])
+        time_s = float(history.time_s[sample])
         for part, *_, is_bed, across, joints in tables:
             along = places[joints, 0 if is_bed else 1]
             (sigma, tau) = stress[joints].T
@@ -174,7 +174,7 @@ def stresses_table(history, moments=MOMENTS):
         tables.append(
             table.assign(
                 moment=moment,
-                time_s=history.series["time_s"].iloc[sample],
+                time_s=history.time_s[sample],
                 normal_stress_pa=history.joint_stress_pa[sample, :, 0],
                 shear_stress_pa=history.joint_stress_pa[sample, :, 1],
                 force_x_n=force[:, 0],

@@ -101,7 +101,7 @@ def first_loading(history: History):
 def _wave(history, force, peak):
     """Amplitude of a sine [N] that scatters about a straight line as the forces do in the first
     period up to the sample `peak`; None where that has no more than two samples."""
-    time_s = history.series["time_s"].to_numpy()
+    time_s = history.time_s
     since = time_s[peak] - (history.eigen_period_s or 0.0)
     before = slice(int(np.searchsorted(time_s, since)), peak + 1)
     if peak + 1 - before.start < 3:

@@ -159,7 +159,7 @@ def warn_of_ends(history: History) -> list[str]:
 def _at(history, row, sample):
     """Text: a contact point (row) and the time of a sample."""
     joint = history.joints.iloc[row]
-    time_s = history.series["time_s"].iloc[sample]
+    time_s = history.time_s[sample]
     return (
         f"the {joint['kind']} joint at x = {joint['x_m']:.2f} m, z = {joint['z_m']:.2f} m (t ="
         f" {time_s:.2f} s)"

@@ -31,34 +31,30 @@ def _factors(value):
 PREPARATION = (
     arg(
         "--unit",
+        f"unit of a record whose header names none (default {BY_FILE}: as the file says)",
         choices=(BY_FILE, *UNITS_M_S2),
-        help=f"unit of a record whose header names none (default {BY_FILE}: as the file says)",
     ),
     arg(
         "--sample-step",
+        "time between two samples of a record whose file has one "
+        "column, sample numbers or rounded times",
         type=float,
         metavar="S",
-        help=(
-            "time between two samples of a record whose file has one "
-            "column, sample numbers or rounded times"
-        ),
     ),
-    arg("--scale", type=float, help="factor on the record (default 1)"),
-    arg(
-        "--window", nargs=2, type=float, metavar=("T0_S", "T1_S"), help="part of the record to use"
-    ),
+    arg("--scale", "factor on the record (default 1)", type=float),
+    arg("--window", "part of the record to use", nargs=2, type=float, metavar=("T0_S", "T1_S")),
     arg(
         "--baseline",
+        "subtract a polynomial of this order from the record",
         type=int,
         metavar="ORDER",
-        help="subtract a polynomial of this order from the record",
     ),
     arg(
         "--band",
+        "band-pass the record, 4th order Butterworth, zero phase (default: no filter)",
         nargs=2,
         type=float,
         metavar=("LOW_HZ", "HIGH_HZ"),
-        help="band-pass the record, 4th order Butterworth, zero phase (default: no filter)",
     ),
     file_arg(
         "--across",
@@ -72,18 +68,15 @@ MOTION_GROUPS = {
     "motion (one of; default --harmonic 0.2 0.05)": (
         arg(
             "--harmonic",
+            "sinusoidal base acceleration that starts at zero",
             nargs=2,
             type=float,
             metavar=("PERIOD_S", "AMPLITUDE_G"),
-            help="sinusoidal base acceleration that starts at zero",
         ),
         arg(
             "--cycles",
+            "cycles of the harmonic motion (default 3), or at each drift of --cyclic (default 2)",
             type=int,
-            help=(
-                "cycles of the harmonic motion (default 3), or at each drift of --cyclic "
-                "(default 2)"
-            ),
         ),
         file_arg(
             "--record",
@@ -99,59 +92,53 @@ MOTION_GROUPS = {
         ),
         arg(
             "--sequence",
+            "events on the same wall, damage carried over: the harmonic or recorded motion"
+            " times each factor, then rest and settling (default 1); or different records, a"
+            " row of a CSV file each (docs/guides/own-record.md)",
             type=_factors,
             metavar="F,F,...|FILE.csv",
-            help=(
-                "events on the same wall, damage carried over: the harmonic or recorded motion"
-                " times each factor, then rest and settling (default 1); or different records, a"
-                " row of a CSV file each (docs/guides/own-record.md)"
-            ),
         ),
     ),
     "quasi-static loading, instead of a motion": (
         arg(
             "--pushover",
+            "push the top to this drift, after --settle from where it stands then",
             type=float,
             metavar="DRIFT_PCT",
-            help="push the top to this drift, after --settle from where it stands then",
         ),
         arg(
             "--cyclic",
+            "push the top cyclically to these drifts",
             type=numbers,
             metavar="PCT,PCT,...",
-            help="push the top cyclically to these drifts",
         ),
         arg(
             "--floor-share",
+            "push the floor at this level with this share of the force, by a spreader beam;"
+            " repeatable, with a sum of 1; the drift is that of the resultant",
             nargs=2,
             type=float,
             action=Rows,
             metavar=("LEVEL_M", "SHARE"),
-            help=(
-                "push the floor at this level with this share of the force, by a spreader beam;"
-                " repeatable, with a sum of 1; the drift is that of the resultant"
-            ),
         ),
         arg(
             "--boundary",
+            "the pushed top may rotate (cantilever, default), or not (fixed)",
             choices=BOUNDARIES,
-            help="the pushed top may rotate (cantilever, default), or not (fixed)",
         ),
         arg(
             "--top-rotation",
+            "rotational spring between the pushed top and what moves it (default 0: free)",
             type=float,
             metavar="N_M_RAD",
-            help="rotational spring between the pushed top and what moves it (default 0: free)",
         ),
-        arg("--speed", type=float, metavar="M_S", help="speed of the pushed top (default 0.005)"),
+        arg("--speed", "speed of the pushed top (default 0.005)", type=float, metavar="M_S"),
         arg(
             "--damping",
+            "local damping of the pushed wall, 0 to 0.7 (default 0.7); the "
+            "reference solver has it with --relaxation local only",
             type=float,
             metavar="C",
-            help=(
-                "local damping of the pushed wall, 0 to 0.7 (default 0.7); the "
-                "reference solver has it with --relaxation local only"
-            ),
         ),
     ),
     "settlement of the ground, before the motion or without one": (
@@ -163,12 +150,10 @@ MOTION_GROUPS = {
         ),
         arg(
             "--distortion",
+            "of a named profile: relative deflection over half the wall's length, or the angle"
+            f" of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})",
             type=fraction,
             metavar="1/500",
-            help=(
-                "of a named profile: relative deflection over half the wall's length, or the angle"
-                f" of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})"
-            ),
         ),
     ),
 }

@@ -44,11 +44,11 @@ def _field(one, default, help_):
     kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
     return arg(
         option_of(one),
+        help_,
         type=kind,
         choices=one.metadata["choices"],
         metavar=one.metadata["metavar"],
         default=default,
-        help=help_,
     )
 
 
@@ -86,14 +86,12 @@ ACCEPTING = flag(
 """The option that accepts implausible values."""
 UNITS = arg(
     "--units",
+    "the wall in larger units of so many bricks and courses, as stiff, strong and tough, with"
+    " fewer cracks: for many runs (damage.house.coarser; default 1 1)",
     nargs=2,
     type=number_from(1, 20, int),
     default=(1, 1),
     metavar=("BRICKS", "COURSES"),
-    help=(
-        "the wall in larger units of so many bricks and courses, as stiff, strong and tough, with"
-        " fewer cracks: for many runs (damage.house.coarser; default 1 1)"
-    ),
 )
 PAST = "the wall's past"
 """The title of the options of what a wall went through before the run."""
@@ -118,19 +116,17 @@ def _model_arguments(solver):
         else [
             arg(
                 "--rayleigh",
+                "mass- and stiffness-proportional damping with this ratio at two frequencies",
                 nargs=3,
                 type=float,
                 metavar=("RATIO", "F1_HZ", "F2_HZ"),
-                help="mass- and stiffness-proportional damping with this ratio at two frequencies",
             ),
             arg(
                 "--relaxation",
+                "damping of the static stage: adaptive (default), or local as in YADE, "
+                "which a pushed top has then, too",
                 default="adaptive",
                 choices=RELAXATIONS,
-                help=(
-                    "damping of the static stage: adaptive (default), or local as in YADE, "
-                    "which a pushed top has then, too"
-                ),
             ),
             *_settings("settling", "mass_scaling"),
         ]
@@ -158,13 +154,11 @@ def _run_arguments(solver):
             flag("--view", "with a screen: the 3D view"),
             arg(
                 "--console",
+                "YADE's prompt before or after "
+                "(default) the run, with O, wall, run, scene, and history after it",
                 nargs="?",
                 const="after",
                 choices=("before", "after"),
-                help=(
-                    "YADE's prompt before or after "
-                    "(default) the run, with O, wall, run, scene, and history after it"
-                ),
             ),
         ]
     )
@@ -178,12 +172,10 @@ def _run_arguments(solver):
         ),
         arg(
             "--checkpoint",
+            "keep the state in FILE.checkpoint, each time after so many minutes of computing,"
+            " in YADE at the end, too (default: at an interruption)",
             type=number_from(1e-3, 1e5),
             metavar="MINUTES",
-            help=(
-                "keep the state in FILE.checkpoint, each time after so many minutes of computing,"
-                " in YADE at the end, too (default: at an interruption)"
-            ),
         ),
         file_arg(
             "--resume",
@@ -193,7 +185,7 @@ def _run_arguments(solver):
             " your own only",
         ),
         *_settings("rest_s", "time_step_s"),
-        arg("--no-pictures", dest="pictures", action="store_false", help="write the history only"),
+        arg("--no-pictures", "write the history only", dest="pictures", action="store_false"),
         flag("--quiet", "print warnings and errors only"),
         *of_yade,
     ]

@@ -54,6 +54,8 @@ def as_history(layout, stress):
         path="x.h5",
         index=lambda **_: pd.DataFrame({"DI": [0.0]}),
         series=pd.DataFrame({"time_s": [0.0]}),
+        time_s=np.zeros(1),
+        largest_index=np.zeros(1),
     )
 
 

@@ -262,7 +262,7 @@ def cycle_edges(history: History) -> np.ndarray:
     A run that stopped early has its completed cycles.  Raises InputError for another loading.
     """
     loading = pushed_loading(history)
-    time_s = history.series["time_s"]
+    time_s = history.time_s
     if "follows" not in history.parameters["loading"]:
         raise InputError(
             f"{history.path}: an earlier version moved its top by the drift times the top's own"
@@ -275,7 +275,7 @@ def cycle_edges(history: History) -> np.ndarray:
     asked = loading.top_displacement(time_s, height)
     upwards = np.flatnonzero((asked[:-1] <= 0) & (asked[1:] > 0))
     whole = len(loading.amplitudes_pct) * loading.cycles
-    ended = time_s.iloc[-1] >= loading.schedule(height)[0][-1] - EASE_S
+    ended = time_s[-1] >= loading.schedule(height)[0][-1] - EASE_S
     return np.append(upwards[:whole], len(asked) - 1) if ended else upwards
 
 

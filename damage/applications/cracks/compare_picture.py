@@ -95,7 +95,7 @@ def _draw_drift(ax, first, second):
         (first, second), run_labels(first, second), (style.VERMILLION, style.BLUE), (1.4, 0.7)
     ):
         lines += ax.plot(
-            history.series["time_s"],
+            history.time_s,
             factor * history.series["drift_ratio"],
             label=label,
             color=colour,

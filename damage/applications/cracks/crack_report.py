@@ -99,7 +99,7 @@ def history_report(history, samples, threshold, drift_limit, psi_from, export):
         levels.append(
             {
                 "load_level": float(number),
-                "time_s": float(history.series["time_s"].iloc[sample]),
+                "time_s": float(history.time_s[sample]),
                 "drift_pct": 100 * float(history.series["drift_ratio"].iloc[sample]),
                 "cracks": int(table["crack"].nunique()),
                 "crack_length_m": float(table["length_m"].sum()),

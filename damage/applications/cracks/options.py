@@ -105,12 +105,10 @@ register(
             ),
             arg(
                 "--tolerance-mm",
+                "how far from a joint a crack of "
+                "--cracked may be drawn (default: half a brick's length)",
                 type=number_from(1e-3, 1000),
                 metavar="MM",
-                help=(
-                    "how far from a joint a crack of "
-                    "--cracked may be drawn (default: half a brick's length)"
-                ),
             ),
         ),
         _fields,

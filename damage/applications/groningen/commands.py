@@ -31,43 +31,39 @@ _ADDRESS = (
     group(
         "address",
         arg(
-            "--at",
-            nargs=2,
-            type=_degrees,
-            metavar=("LAT", "LON"),
-            help="the address, degrees in WGS84",
+            "--at", "the address, degrees in WGS84", nargs=2, type=_degrees, metavar=("LAT", "LON")
         ),
         arg(
             "--rd",
+            "instead: metres in the Dutch grid (EPSG:28992)",
             nargs=2,
             type=float,
             metavar=("X", "Y"),
-            help="instead: metres in the Dutch grid (EPSG:28992)",
         ),
         arg(
             "--vs30",
+            "mean shear-wave velocity of the upper 30 m (default 200)",
             dest="vs30_m_s",
             type=float,
             default=200.0,
             metavar="M_S",
-            help="mean shear-wave velocity of the upper 30 m (default 200)",
         ),
     ),
     group(
         "earthquakes and ground motion",
         arg(
             "--from",
+            "first year (default: the catalogue's)",
             dest="first_year",
             type=int,
             metavar="YEAR",
-            help="first year (default: the catalogue's)",
         ),
         arg(
             "--to",
+            "last year (default: the catalogue's)",
             dest="last_year",
             type=int,
             metavar="YEAR",
-            help="last year (default: the catalogue's)",
         ),
         file_arg(
             "--catalogue",
@@ -77,17 +73,15 @@ _ADDRESS = (
         ),
         arg(
             "--component",
+            "larger of both horizontal components (default), their "
+            "geometric mean, or the largest in any direction",
             metavar="LRG|GEO|MAX",
-            help=(
-                "larger of both horizontal components (default), their "
-                "geometric mean, or the largest in any direction"
-            ),
         ),
         arg(
             "--model",
+            "ground-motion model (default bommer-2022)",
             default="bommer-2022",
             metavar="NAME",
-            help="ground-motion model (default bommer-2022)",
         ),
     ),
 )
@@ -163,7 +157,7 @@ def _catalogue(asked):
 
 def _draws(words, **more):
     """The option of how many lives are drawn."""
-    draws = arg("--draws", type=number_from(2, 10000, int), metavar="N", help=words, **more)
+    draws = arg("--draws", words, type=number_from(2, 10000, int), metavar="N", **more)
     return group("lives", draws)
 
 
@@ -178,47 +172,43 @@ def _draw_options(within, strong):
         "lives",
         arg(
             "--seed",
+            "of the draws (default 0)",
             type=number_from(0, 2**31, int),
             default=0,
             metavar="N",
-            help="of the draws (default 0)",
         ),
         arg(
             "--above",
+            "PGV from which an event is part of a life (default 8); the largest always is",
             dest="above_mm_s",
             type=number_from(0.01, 1000),
             default=8.0,
             metavar="MM_S",
-            help="PGV from which an event is part of a life (default 8); the largest always is",
         ),
         arg(
             "--within",
+            f"stations whose records are used (default {within:g} km from the epicentre)",
             dest="within_km",
             type=number_from(0.1, 1000),
             default=within,
             metavar="KM",
-            help=f"stations whose records are used (default {within:g} km from the epicentre)",
         ),
         arg(
             "--scale-to",
+            "what records are scaled to: the drawn PGV "
+            "(default), or the spectral acceleration at 0.2 s that it implies",
             default="pgv",
             metavar="pgv|sa",
-            help=(
-                "what records are scaled to: the drawn PGV "
-                "(default), or the spectral acceleration at 0.2 s that it implies"
-            ),
         ),
         arg(
             "--strong",
+            "shares of the Arias "
+            "intensity that a record's window leaves out at its start and end (default "
+            f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)",
             nargs=2,
             type=float,
             default=strong,
             metavar="SHARE",
-            help=(
-                "shares of the Arias "
-                "intensity that a record's window leaves out at its start and end (default "
-                f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)"
-            ),
         ),
     )
 
@@ -227,43 +217,37 @@ _RUN_OPTIONS = group(
     "runs",
     arg(
         "--rest",
+        "free vibration after each event (default 0.2), before the damped stage",
         type=number_from(0, 100),
         default=0.2,
         metavar="S",
-        help="free vibration after each event (default 0.2), before the damped stage",
     ),
     arg(
         "--strength-cov",
+        "scatter of the joints' strengths (default 0.3)",
         type=number_from(0, 2),
         default=0.3,
         metavar="COV",
-        help="scatter of the joints' strengths (default 0.3)",
     ),
     arg(
         "--inputs",
+        "the wall as given, or what nobody knows of it drawn, with tests of its masonry"
+        " or without (default typical)",
         choices=("given", "tested", "typical"),
         default="typical",
-        help=(
-            "the wall as given, or what nobody knows of it drawn, with tests of its masonry"
-            " or without (default typical)"
-        ),
     ),
-    arg(
-        "--settle",
-        metavar="PROFILE|FILE.csv",
-        help="settlement of the ground before the first event",
-    ),
-    arg("--distortion", metavar="1/500", help="of a named profile"),
+    arg("--settle", "settlement of the ground before the first event", metavar="PROFILE|FILE.csv"),
+    arg("--distortion", "of a named profile", metavar="1/500"),
 )
 _BATCH_OPTIONS = group(
     "batch",
     arg(
         "-j",
+        "processes (default: one a core)",
         dest="jobs",
         type=number_from(1, 9999, int),
         default=os.cpu_count(),
         metavar="N",
-        help="processes (default: one a core)",
     ),
     flag("--remake", "make runs again that another version made"),
 )
@@ -345,7 +329,7 @@ def _from_here(settle):
             "instead of --settle: levels of a course, with columns x_m, height_m, date",
         ),
     ),
-    output(arg("--language", choices=("en", "nl"), default="en", help="of the sheet (default en)")),
+    output(arg("--language", "of the sheet (default en)", choices=("en", "nl"), default="en")),
     out("folder for the sheet, its numbers and the runs"),
     examples=(
         "my_house.toml --at 53.36 6.75 --cracks survey.csv --out results/claim",
@@ -409,16 +393,16 @@ def _make_claim(asked):
     " pip install .[groningen], or Debian's python3-flask)",
     arg(
         "--port",
+        "of the page (default: a free one)",
         type=number_from(0, 65535, int),
         default=0,
         metavar="N",
-        help="of the page (default: a free one)",
     ),
     arg(
         "--no-browser",
+        "print the page's address, open no browser",
         dest="opened",
         action="store_false",
-        help="print the page's address, open no browser",
     ),
     out("folder of the claim"),
     examples=("--out results/claim", "--out results/claim --port 8765 --no-browser"),

@@ -120,7 +120,7 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
 
 @style.styled
 def _shoot(history, snapshots, magnify, writer, path):
-    times = history.series["time_s"].to_numpy()
+    times = history.time_s
     samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
     damage = history.largest_index
     figure, (above, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
@@ -207,7 +207,7 @@ def _house_stage(history, snapshots, above, below, magnify):
     step = min(MOST_TURN_DEG, 360 / len(snapshots))
     turn = dict(zip(snapshots, seen.azimuth + step * np.arange(len(snapshots))))
     ratio = seen.fit(np.arange(0, 360, 15))
-    time_s = history.series["time_s"].to_numpy()
+    time_s = history.time_s
     for part, (colour, line) in zip(history.parts, LINES):
         below.plot(time_s, part.index()["DI"], color=colour, ls=line, label=part.wall)
     below.set(ylabel="DI [-]", ylim=(0, None))
@@ -235,7 +235,7 @@ def _update(drawn, shape):
 
 def _draw_below(ax, history):
     """Draw drift ratio and index over time."""
-    time_s = history.series["time_s"].to_numpy()
+    time_s = history.time_s
     drift, unit = style.scaled_drift(history)
     ax.plot(time_s, drift, color=style.BLUE)
     style.plain_numbers(ax.yaxis)

@@ -51,16 +51,16 @@ def _demo(asked):
     ),
     arg(
         "--window",
+        "part of the run (default: all of it, or of a long one what is around its maximum DI)",
         nargs=2,
         type=float,
         metavar=("T0_S", "T1_S"),
-        help="part of the run (default: all of it, or of a long one what is around its maximum DI)",
     ),
     arg(
         "--magnify",
+        "on displacements (default: what makes them visible)",
         type=number_from(0, 1e6),
         metavar="FACTOR",
-        help="on displacements (default: what makes them visible)",
     ),
     examples=("run.h5", "run.h5 --window 1 2 --magnify 200 --out run.mp4"),
 )
@@ -109,21 +109,19 @@ def _export(asked):
     ),
     group(
         "words",
-        arg("--title", metavar="WORDS", help="of the report (default: what ran)"),
-        arg("--author", metavar="NAME", help="who wrote it, below the title"),
+        arg("--title", "of the report (default: what ran)", metavar="WORDS"),
+        arg("--author", "who wrote it, below the title", metavar="NAME"),
         arg(
             "--text",
+            "what it begins with, as what was asked and what follows; blank "
+            "lines separate paragraphs",
             metavar="WORDS",
-            help=(
-                "what it begins with, as what was asked and what follows; blank "
-                "lines separate paragraphs"
-            ),
         ),
         arg(
             "--language",
+            "of each run's summary (default en); the technical part is English",
             choices=("en", "nl"),
             default="en",
-            help="of each run's summary (default en); the technical part is English",
         ),
     ),
     examples=("run.h5", 'results/quick --title "Quick study" --author "A. Name" --out report.html'),

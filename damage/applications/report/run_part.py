@@ -104,7 +104,7 @@ def preview(history):
 
 def said_first(history, warnings=()):
     """Notes on a History before its results, a list of str; empty where there are none."""
-    until = history.series["time_s"].iloc[-1]
+    until = history.time_s[-1]
     lines = {
         "complete": [],
         "interrupted": [
@@ -215,7 +215,7 @@ def _moving_wall(history, chosen):
         history.slip_by("displacement")[chosen][:, ever],
         dtype=float,
     )
-    near = [nearest_snapshot(history, time) for time in history.series["time_s"].to_numpy()[chosen]]
+    near = [nearest_snapshot(history, time) for time in history.time_s[chosen]]
     still = np.zeros((len(history.bodies), 3))
     motion = np.nan_to_num(
         [still if snapshot is None else history.displacement[snapshot] for snapshot in near]
@@ -303,7 +303,7 @@ def instants(history, index):
 
     index: `History.index` of it.
     """
-    time_s = history.series["time_s"].to_numpy()
+    time_s = history.time_s
     at_snapshots = np.searchsorted(time_s, history.snapshot_time_s).clip(0, len(time_s) - 1)
     every = at_snapshots if len(at_snapshots) else np.arange(len(time_s))
     chosen = every[
@@ -316,7 +316,7 @@ def special_samples(history, index):
     """Samples of a History with an extreme value, of the first failure, the collapse, the first and
     the last one."""
     series = history.series
-    time_s = history.series["time_s"].to_numpy()
+    time_s = history.time_s
     drift = np.nan_to_num(series["drift_ratio"].to_numpy())
     samples = [
         0,

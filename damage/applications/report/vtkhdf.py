@@ -72,7 +72,7 @@ def _fill(root, cells):
         "NumberOfConnectivityIds": [n_points],
     }.items():
         root[name] = np.asarray(values)
-    time_s = cells.history.series["time_s"].to_numpy()
+    time_s = cells.history.time_s
     steps = _steps(root, time_s)
     samples = np.arange(len(time_s))
     n_snapshots = len(cells.history.snapshot_time_s)
@@ -175,9 +175,7 @@ class Cells:
     def snapshot_of(self):
         """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then
         drawn at rest."""
-        nearest = [
-            nearest_snapshot(self.history, time_s) for time_s in self.history.series["time_s"]
-        ]
+        nearest = [nearest_snapshot(self.history, time_s) for time_s in self.history.time_s]
         return np.array([-1 if snapshot is None else snapshot for snapshot in nearest])
 
     def displacement(self, snapshot):

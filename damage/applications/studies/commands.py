@@ -26,9 +26,9 @@ def _study(words, quiet):
     file_arg("folder", "DIR", "the study's folder; tables go to DIR/tables"),
     arg(
         "--solver",
+        "whose runs the study names (default both)",
         choices=("yade", "reference", "both"),
         default="both",
-        help="whose runs the study names (default both)",
     ),
     file_arg("--root", "DIR", "where walls and records lie (default: the working folder)"),
     examples=(
@@ -64,37 +64,33 @@ def _study_schema(asked):
         "intensity and damage",
         arg(
             "--intensity",
+            "column of summary.csv with a number above zero in "
+            "every run (default: that of the study file, else sa_eigen_period_g; PGA is "
+            "record_pga_g, one value for all walls)",
             metavar="COLUMN",
-            help=(
-                "column of summary.csv with a number above zero in "
-                "every run (default: that of the study file, else sa_eigen_period_g; PGA is "
-                "record_pga_g, one value for all walls)"
-            ),
         ),
         arg(
             "--state",
+            'damage state, a column of summary.csv and the level that it exceeds, as "moderate:'
+            ' max_psi > 2"; may be repeated (default: those of the study file, else levels of'
+            " DI, crack width and Psi)",
             action="append",
             dest="states",
             metavar="STATE",
-            help=(
-                'damage state, a column of summary.csv and the level that it exceeds, as "moderate:'
-                ' max_psi > 2"; may be repeated (default: those of the study file, else levels of'
-                " DI, crack width and Psi)"
-            ),
         ),
         arg(
             "--at",
+            "also print the probability at these intensities, with its intervals",
             type=number_from(1e-12, 1e12),
             nargs="+",
             metavar="X",
-            help="also print the probability at these intensities, with its intervals",
         ),
         arg(
             "--replicates",
+            "bootstrap samples (default 500)",
             type=number_from(0, 100_000, int),
             default=500,
             metavar="N",
-            help="bootstrap samples (default 500)",
         ),
     ),
     out("folder for tables and pictures"),
