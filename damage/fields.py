@@ -140,7 +140,8 @@ def check_fields(
     record, name=lambda record, one: one.metadata["called"] or f"{type(record).__name__}.{one.name}"
 ):
     """Raise InputError where a field of a record is not what it says; name: of a field in the
-    message.  Numbers of other kinds, as numpy's, become Python's, which files take."""
+    message.  Numbers of other kinds, as numpy's, become Python's, which files take, and lists
+    tuples."""
     for attribute in fields(record):
         value = _plain(getattr(record, attribute.name))
         vars(record)[attribute.name] = value  # the record may be frozen
@@ -156,8 +157,8 @@ def check_fields(
 
 
 def _plain(value):
-    """A number, or each of a tuple, as Python's int or float; any other value as it is."""
-    if isinstance(value, tuple):
+    """A number, or each of a tuple or list, as Python's int or float; any other value as it is."""
+    if isinstance(value, (tuple, list)):
         return tuple(map(_plain, value))
     if not isinstance(value, Real) or isinstance(value, bool) or not is_finite(value):
         return value

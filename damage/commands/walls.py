@@ -25,9 +25,10 @@ from damage.motion.plausible import (
 )
 from damage.provenance import shown_path
 from damage.run.motion_options import PREPARATION, recorded
-from damage.run.options import ACCEPTING, UNITS, model_arguments, model_of
+from damage.run.options import ACCEPTING, UNITS, arguments_of, model_of
 from damage.wall import as_built, materials
 from damage.wall.file import load_wall, wall_schema
+from damage.wall.model_options import ModelOptions
 from damage.wall.plan import plan_of
 
 
@@ -47,7 +48,8 @@ def _materials(asked):
     group(
         "model",
         UNITS,
-        *model_arguments(
+        *arguments_of(
+            ModelOptions,
             "lintel",
             "top",
             "load",
@@ -98,7 +100,9 @@ def _modes(asked):
     "a picture of a wall before it is run: bricks, openings as built, supports, masses, elastic"
     " joints, names of piers and spandrels; of a house, its plan, too",
     WALL,
-    group("model", UNITS, *model_arguments("lintel", "top", "load", "supports"), ACCEPTING),
+    group(
+        "model", UNITS, *arguments_of(ModelOptions, "lintel", "top", "load", "supports"), ACCEPTING
+    ),
     out(
         "the picture (default: the wall's name, .png, in the working folder)",
         "FILE.png|FILE.svg|FILE.pdf",

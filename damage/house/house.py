@@ -77,7 +77,7 @@ class Placed:
                 f"wall {self.wall.name}: origin = {self.origin!r}: expected [x, y] in m, of its"
                 " left end in plan; correct it"
             )
-        object.__setattr__(self, "origin", (x, y))
+        vars(self)["origin"] = (x, y)
         check_fields(self)
 
     @property
@@ -110,7 +110,6 @@ class Corner:
 
     def __post_init__(self):
         check_fields(self)
-        object.__setattr__(self, "walls", tuple(self.walls))
 
 
 @dataclass(frozen=True)
@@ -133,7 +132,6 @@ class Diaphragm:
 
     def __post_init__(self):
         check_fields(self)
-        object.__setattr__(self, "walls", tuple(self.walls))
         if self.anchor_spacing and self.kind == "concrete":
             raise InputError(
                 f"floor at {self.level:g} m, of concrete, with anchor_spacing: expected it of"
@@ -182,8 +180,6 @@ class House:
 
     def __post_init__(self):
         check_fields(self)
-        for name in ("walls", *_PARTS):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.walls:
             raise InputError(f"house {self.name} has no [[walls]]: expected one or more; add them")
         _check_origins(self)

@@ -82,7 +82,6 @@ class Ties:
 
     def __post_init__(self):
         check_fields(self)
-        object.__setattr__(self, "walls", tuple(self.walls))
 
     def span(self, house):
         """The Span between its walls of a House; raises InputError where they are no leaves of a

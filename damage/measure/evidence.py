@@ -26,15 +26,15 @@ _ROUNDING = 1e-6
 class Quantity(NamedTuple):
     """A row of the range of validity.
 
-    supported: in words, {range} for the limits; evidence, beyond: Markdown, what supports it and
-    what is known outside; value: function of what `evidence_for` knows of a run, in SI units, None
+    evidence, beyond: Markdown, what supports it and what is known outside; supported: in words,
+    {range} for the limits; value: function of what `evidence_for` knows of a run, in SI units, None
     where no run can be judged; least, most: limits in `unit`, whose size in SI units is `size`.
     """
 
     name: str
-    supported: str
     evidence: str
     beyond: str
+    supported: str = "{range}"
     value: Callable | None = None
     least: float = 0.0
     most: float = math.inf
@@ -152,7 +152,7 @@ def _result(name):
 
 QUANTITIES = (
     Quantity(
-        name="direction",
+        "direction",
         supported="in the plane of the wall;"
         " [strips](../guides/own-wall.md#a-strip-in-one-way-bending) "
         "between floors bend out of it",
@@ -160,16 +160,14 @@ QUANTITIES = (
         beyond="two-way bending, torsion and return walls: [houses](house.md) in YADE alone",
     ),
     Quantity(
-        name="corners with other walls",
-        supported="{range}",
+        "corners with other walls",
         evidence="[closed forms, limit analysis by hand](house.md#checks)",
         beyond="no house has been compared with a test, nor another program with its motion",
         value=lambda run: run.corners,
         most=0.0,
     ),
     Quantity(
-        name="drift across the wall",
-        supported="{range}",
+        "drift across the wall",
         evidence="[closed forms of rocking and bending](house.md#checks)",
         beyond="no test of a wall of a house has been compared",
         value=_result("max_drift_across_ratio"),
@@ -178,7 +176,7 @@ QUANTITIES = (
         size=PERCENT,
     ),
     Quantity(
-        name="vertical components of the motion",
+        "vertical components of the motion",
         supported="{range}: no study here has one",
         evidence="",
         beyond="`--vertical` applies it; its effect has not been compared",
@@ -186,7 +184,7 @@ QUANTITIES = (
         most=0.0,
     ),
     Quantity(
-        name="drift",
+        "drift",
         supported="{range} (pushed brick walls); 2 % in the index's definition",
         evidence="[laboratory walls](../validation/laboratory.md)",
         beyond="with equal joints, force falls too steeply after the "
@@ -197,8 +195,7 @@ QUANTITIES = (
         size=PERCENT,
     ),
     Quantity(
-        name="slip of a joint",
-        supported="{range}",
+        "slip of a joint",
         evidence="[slides, rocking](../validation/verification.md)",
         beyond="bricks find new contacts [in YADE](yade.md#loose-bricks) alone",
         value=_result("max_offset_mm"),
@@ -206,15 +203,14 @@ QUANTITIES = (
         unit="mm",
     ),
     Quantity(
-        name="slip over the overlap of the faces",
-        supported="{range}",
+        "slip over the overlap of the faces",
         evidence="as above",
         beyond="a joint ends where its faces no longer overlap, with a warning",
         value=_result("max_offset_over_overlap"),
         most=1.0,
     ),
     Quantity(
-        name="bricks followed after a fall",
+        "bricks followed after a fall",
         supported="{range}: up to the first brick that drops by half its height",
         evidence="none",
         beyond="the index ends; [`--after-fall`](yade.md#loose-bricks) follows loose bricks in"
@@ -223,7 +219,7 @@ QUANTITIES = (
         most=0.0,
     ),
     Quantity(
-        name="precompression of mortar joints",
+        "precompression of mortar joints",
         supported="{range} on brick walls, in the piers",
         evidence="[four tested walls](../validation/laboratory.md), peaks within 10 %",
         beyond="no tested wall with mortar below 0.3 MPa",
@@ -234,8 +230,7 @@ QUANTITIES = (
         size=MEGA,
     ),
     Quantity(
-        name="precompression of dry joints",
-        supported="{range}",
+        "precompression of dry joints",
         evidence="[limit analysis; wall SW.30](../validation/dry-joints.md), peak 15 % below the"
         " tests",
         beyond="at 1 MPa, dry stone walls peak "
@@ -247,8 +242,7 @@ QUANTITIES = (
         size=MEGA,
     ),
     Quantity(
-        name="length",
-        supported="{range}",
+        "length",
         evidence="[laboratory](../validation/laboratory.md), shipped walls",
         beyond="20 000 bricks at most",
         value=lambda run: run.wall.length,
@@ -257,8 +251,7 @@ QUANTITIES = (
         unit="m",
     ),
     Quantity(
-        name="height",
-        supported="{range}",
+        "height",
         evidence="as above",
         beyond="as above",
         value=lambda run: run.wall.built_height,
@@ -267,8 +260,7 @@ QUANTITIES = (
         unit="m",
     ),
     Quantity(
-        name="storeys",
-        supported="{range}",
+        "storeys",
         evidence="as above",
         beyond="gables and floors follow "
         "[closed forms](../guides/own-wall.md#a-house), no tested house has been compared",
@@ -277,13 +269,13 @@ QUANTITIES = (
         most=1.0,
     ),
     Quantity(
-        name="bond",
+        "bond",
         supported="running bond, one brick thick",
         evidence="all tests",
         beyond="walls laid two bricks thick were modelled as one layer; no cross bond, no ties",
     ),
     Quantity(
-        name="cohesion of mortar joints",
+        "cohesion of mortar joints",
         supported="{range}; clay and calcium silicate brickwork",
         evidence="[laboratory](../validation/laboratory.md)",
         beyond="joints have no thickness; properties do not vary along a joint",
@@ -294,8 +286,7 @@ QUANTITIES = (
         size=MEGA,
     ),
     Quantity(
-        name="tan(phi)",
-        supported="{range}",
+        "tan(phi)",
         evidence="as above",
         beyond="as above",
         value=lambda run: math.tan(run.joint.friction_angle),
@@ -303,7 +294,7 @@ QUANTITIES = (
         most=0.63,
     ),
     Quantity(
-        name="shear failures of brittle joints",
+        "shear failures of brittle joints",
         supported="{range}: walls that rock. Softening joints: also walls that shear",
         evidence="[laboratory](../validation/laboratory.md)",
         beyond="brittle joints underestimate the peak of shear walls by a quarter",
@@ -313,7 +304,7 @@ QUANTITIES = (
         size=PERCENT,
     ),
     Quantity(
-        name="cohesion at which a bed joint slides before steps form",
+        "cohesion at which a bed joint slides before steps form",
         supported="{range}, which one joint in 200 falls short of by the scatter of 40 % of single "
         "specimens",
         evidence="[tested walls](../validation/after-the-peak.md#two-equal-walls) at 0 to 9 % "
@@ -326,7 +317,7 @@ QUANTITIES = (
         size=PERCENT,
     ),
     Quantity(
-        name="split or crushed length",
+        "split or crushed length",
         supported="{range}: bricks rigid, intact",
         evidence="[deformable bricks](model.md#deformable-bricks): first periods within 4 %",
         beyond="splitting and crushing are options; both move tested peaks by at most 7 %",
@@ -337,13 +328,13 @@ QUANTITIES = (
         unit="m",
     ),
     Quantity(
-        name="stiffness",
+        "stiffness",
         supported="modulus fitted to the wall",
         evidence="[laboratory](../validation/laboratory.md)",
         beyond="moduli of wallet tests give half or twice the measured stiffness",
     ),
     Quantity(
-        name="period of a harmonic motion",
+        "period of a harmonic motion",
         supported="{range}; records",
         evidence="[both solvers](../validation/two-solvers.md)",
         beyond="one wall on a shaking table has been compared: [shaken"
@@ -354,8 +345,7 @@ QUANTITIES = (
         unit="s",
     ),
     Quantity(
-        name="amplitude of a harmonic motion",
-        supported="{range}",
+        "amplitude of a harmonic motion",
         evidence="[results](../paper/results.md)",
         beyond="near resonance 5 % of the period changes DI of brittle walls by a factor of 2 to 4",
         value=_largest("harmonic", "amplitude_g"),
@@ -364,15 +354,14 @@ QUANTITIES = (
         unit="g",
     ),
     Quantity(
-        name="scale of a record",
-        supported="{range}",
+        "scale of a record",
         evidence="as above",
         beyond="fragility scales records by up to 10",
         value=_largest("record", "scale"),
         most=2.0,
     ),
     Quantity(
-        name="repeated events",
+        "repeated events",
         supported="both solvers agree; softening spandrels lose force by repetition as tested"
         " clay does",
         evidence="[equal events](../paper/thirty-years.md#equal-events), [repeated "
@@ -382,8 +371,7 @@ QUANTITIES = (
         " 0.3 mm an event of 45 mm/s, no test of that has been compared",
     ),
     Quantity(
-        name="rest after the motion",
-        supported="{range}",
+        "rest after the motion",
         evidence="[open points](../paper/open-points.md)",
         beyond="undamped masses on top bounce and fail joints later; 0.2 % of damping prevents it",
         value=lambda run: run.rest_s if run.shakes else None,
@@ -392,8 +380,7 @@ QUANTITIES = (
         unit="s",
     ),
     Quantity(
-        name="energy balance error",
-        supported="{range}",
+        "energy balance error",
         evidence="[two solvers](../validation/two-solvers.md)",
         beyond="[warning, below](#energy-balance); run failed above 100 %",
         value=_result("energy_error_fraction"),
@@ -402,7 +389,7 @@ QUANTITIES = (
         size=PERCENT,
     ),
     Quantity(
-        name="base",
+        "base",
         supported="rigid; [settlement and soil springs](model.md#ground) follow closed forms",
         evidence="[overview](../validation/overview.md)",
         beyond="no settled building has been compared; soil has no mass, and "

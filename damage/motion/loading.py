@@ -579,9 +579,6 @@ class TopDisplacement(Loading):
                 f"{len(self.amplitudes_pct)} drifts to push the top to; expected up to 1000; give"
                 " fewer"
             )
-        object.__setattr__(
-            self, "floor_shares", tuple(tuple(floor_share) for floor_share in self.floor_shares)
-        )
         self._check_shares()
 
     def _check_shares(self):

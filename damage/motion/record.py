@@ -105,8 +105,8 @@ class Record:
                 f"{HIGHEST_M_S2:g}, look at the unit"
             )
         acceleration.setflags(write=False)
-        object.__setattr__(self, "acceleration_m_s2", acceleration)
-        object.__setattr__(self, "start_utc", _utc(self.start_utc, 0.0, where))
+        vars(self)["acceleration_m_s2"] = acceleration
+        vars(self)["start_utc"] = _utc(self.start_utc, 0.0, where)
 
     @property
     def duration_s(self) -> float:

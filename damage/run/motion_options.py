@@ -218,7 +218,7 @@ def motion_of(parsed):
         read_sequence(
             parsed.sequence,
             parsed.rest,
-            **_given(baseline_order=parsed.baseline, band_hz=parsed.band and tuple(parsed.band)),
+            **_given(baseline_order=parsed.baseline, band_hz=parsed.band),
         )
     )
 
@@ -311,7 +311,7 @@ def recorded(parsed):
         "sample_step_s": parsed.sample_step,
     }
     record = read_record(parsed.record, **given)
-    window = parsed.window and tuple(parsed.window)
+    window = parsed.window
     others = {
         name: on_axis_of(read_record(path, **given), record, window)
         for name in ("vertical", "across")
@@ -324,6 +324,6 @@ def recorded(parsed):
             scale=parsed.scale,
             window_s=window,
             baseline_order=parsed.baseline,
-            band_hz=parsed.band and tuple(parsed.band),
+            band_hz=parsed.band,
         ),
     )

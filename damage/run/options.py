@@ -39,43 +39,25 @@ _EXAMPLES = {
 }
 
 
-def _field(one, default, help_):
-    """The argument of a field of a record."""
-    kind = str if one.metadata["choices"] else float if one.default is None else type(one.default)
+def arguments_of(kind, *names):
+    """Arguments of the named fields of a kind of record, of all without a name, a list."""
+    return [
+        _argument(attribute) for attribute in fields(kind) if attribute.name in names or not names
+    ]
+
+
+def _argument(attribute):
+    said = attribute.metadata
+    default = None if None in said["words"] else attribute.default
+    shown = f"{default:g}" if isinstance(default, float) else default
     return arg(
-        option_of(one),
-        help_,
-        type=kind,
-        choices=one.metadata["choices"],
-        metavar=one.metadata["metavar"],
+        option_of(attribute),
+        said["help"] + f" (default {shown})" * (default is not None),
+        type=str if said["choices"] else float if default is None else type(default),
+        choices=said["choices"],
+        metavar=said["metavar"],
         default=default,
     )
-
-
-def model_arguments(*names):
-    """Arguments of the named fields of ModelOptions, a list."""
-    chosen = [attribute for attribute in fields(ModelOptions) if attribute.name in names]
-    usual = [
-        argument.default if isinstance(argument.default, str) else f"{argument.default:g}"
-        for argument in chosen
-    ]
-    return [
-        _field(argument, argument.default, f"{argument.metadata['help']} (default {default})")
-        for argument, default in zip(chosen, usual)
-    ]
-
-
-def _settings(*names):
-    """Arguments of the named fields of RunSettings, a list."""
-    return [
-        _field(
-            attribute,
-            None if None in attribute.metadata["words"] else attribute.default,
-            attribute.metadata["help"],
-        )
-        for attribute in fields(RunSettings)
-        if attribute.name in names
-    ]
 
 
 ACCEPTING = flag(
@@ -128,15 +110,15 @@ def _model_arguments(solver):
                 default="adaptive",
                 choices=RELAXATIONS,
             ),
-            *_settings("settling", "mass_scaling"),
+            *arguments_of(RunSettings, "settling", "mass_scaling"),
         ]
     )
     return [
         UNITS,
-        *model_arguments(*(attribute.name for attribute in fields(ModelOptions))),
-        *_settings("beta_s"),
+        *arguments_of(ModelOptions),
+        *arguments_of(RunSettings, "beta_s"),
         *of_reference,
-        *_settings("scatter", "seed", "members"),
+        *arguments_of(RunSettings, "scatter", "seed", "members"),
         ACCEPTING,
     ]
 
@@ -184,7 +166,7 @@ def _run_arguments(solver):
             " other options as they were. A checkpoint of YADE can execute code: continue runs of"
             " your own only",
         ),
-        *_settings("rest_s", "time_step_s"),
+        *arguments_of(RunSettings, "rest_s", "time_step_s"),
         arg("--no-pictures", "write the history only", dest="pictures", action="store_false"),
         flag("--quiet", "print warnings and errors only"),
         *of_yade,

@@ -116,7 +116,7 @@ class RunSettings:
         default=2.0,
         option="rest",
         metavar="S",
-        help="free vibration after the motion (default 2)",
+        help="free vibration after the motion",
     )
     time_step_s: float | None = quantity(
         "s",
@@ -166,13 +166,9 @@ class RunSettings:
         MOST_SCATTER,
         default=0.0,
         metavar="COV",
-        help=(
-            "scatter of the joints' strengths, for ensembles: coefficient of variation (default 0)"
-        ),
+        help=("scatter of the joints' strengths, for ensembles: coefficient of variation"),
     )
-    seed: int = quantity(
-        "1", 0, MOST_SEED, whole=True, default=0, help="seed of the scatter (default 0)"
-    )
+    seed: int = quantity("1", 0, MOST_SEED, whole=True, default=0, help="seed of the scatter")
     members: int = quantity(
         "1",
         1,
@@ -200,12 +196,11 @@ class RunSettings:
     command: str = ""
 
     def __post_init__(self):
-        object.__setattr__(self, "units", tuple(self.units))
         if self.settlement and self.model.supports == "one":
-            object.__setattr__(self, "model", replace(self.model, supports="bricks"))
+            vars(self)["model"] = replace(self.model, supports="bricks")
         number = self.life["number"] if self.life else self.event and self.event["life"]
         if number is not None and self.model.draws:
-            object.__setattr__(self, "model", replace(self.model, strength_seed=number))
+            vars(self)["model"] = replace(self.model, strength_seed=number)
         self._check_past()
         if not self.sequence:
             raise InputError(

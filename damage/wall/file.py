@@ -41,6 +41,7 @@ from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
 from damage.wall.parameters import (
+    LISTS,
     NO_COHESION,
     Brick,
     Joint,
@@ -48,7 +49,6 @@ from damage.wall.parameters import (
     Wall,
     brick_of_masonry,
 )
-from damage.wall.restraints import Restraint
 
 MOST_MB = 1
 _NUMBER = {"type": "number"}
@@ -69,7 +69,6 @@ fields come from [joint]."""
 FRICTION = "friction"
 """Key of [joint]: the friction coefficient, in place of the angle."""
 _TABLES = {"brick": Brick, "joint": Joint}
-_LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
 _RECORDS = Wall, Opening, Floor, Lintel, Brick, Joint
 
 
@@ -210,7 +209,7 @@ def wall_from(table: dict) -> Wall:
     for name, kind in _TABLES.items():
         if name in given:
             made[name] = user_record(f"[{name}]", kind, given.pop(name))
-    for name, kind in _LISTS.items():
+    for name, kind in LISTS.items():
         if name in given:
             if not isinstance(given[name], list):
                 raise InputError(
@@ -335,7 +334,7 @@ def wall_schema() -> dict:
         "joint": _object(Joint, {}, FRICTION),
     }
     special |= {
-        name: {"type": "array", "items": _object(kind, special)} for name, kind in _LISTS.items()
+        name: {"type": "array", "items": _object(kind, special)} for name, kind in LISTS.items()
     }
     special["floors"]["items"]["anyOf"] = [
         {"required": ["mass"]},

@@ -163,13 +163,13 @@ class ModelOptions:
 
     def __post_init__(self):
         check_fields(self, lambda _, one: option_of(one, unit=True))
-        object.__setattr__(self, "lintel", _lintel_word(self.lintel))
+        vars(self)["lintel"] = _lintel_word(self.lintel)
         if self.contacts == "gauss" and self.cells % 2:
             raise InputError(
                 f"--contacts gauss with --cells {self.cells}: expected an even number, since Gauss"
                 " points come in pairs; give --cells 2"
             )
-        object.__setattr__(self, "soil", _soil_word(self.soil))
+        vars(self)["soil"] = _soil_word(self.soil)
         self._check_default(
             _OF_SOIL if self.soil == "rigid" else (),
             "without --soil: expected the soil's stiffness [N/m3], too; give both, or leave it out",

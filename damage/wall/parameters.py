@@ -125,7 +125,7 @@ class Brick:
                 " out"
             )
         if self.fracture_energy == RULE:
-            object.__setattr__(self, "fracture_energy", splitting_energy(self.tensile_strength))
+            vars(self)["fracture_energy"] = splitting_energy(self.tensile_strength)
 
 
 def nearest(number: float) -> int:
@@ -235,7 +235,7 @@ class Joint:
                 " not crush; correct it"
             )
         for name, energy in _energies_by_rule(self).items():
-            object.__setattr__(self, name, energy)
+            vars(self)[name] = energy
         if self.compressive_fracture_energy and self.compressive_strength is None:
             raise InputError(
                 f"Joint.compressive_fracture_energy = {self.compressive_fracture_energy:g} J/m2 of"
@@ -390,7 +390,7 @@ class Opening:
 
     def __post_init__(self):
         if self.lintel is not None:
-            object.__setattr__(self, "lintel", lintel_of(self.lintel))
+            vars(self)["lintel"] = lintel_of(self.lintel)
         check_fields(self)
 
     @property
@@ -485,18 +485,18 @@ class Wall:
         """Nothing, as of a House what its runs cannot do."""
 
     def __post_init__(self):
-        object.__setattr__(self, "lintel", lintel_of(self.lintel))
+        vars(self)["lintel"] = lintel_of(self.lintel)
         named = isinstance(self.name, str) and 0 < len(self.name) <= LONGEST_NAME
         if not named or not all(c.isalnum() or c in "-_" for c in self.name):
             raise InputError(
                 f"Wall.name = {self.name!r}: expected up to {LONGEST_NAME} letters, digits, '-' or"
                 " '_', since it names files; rename the wall"
             )
-        for name, kind in (("openings", Opening), ("floors", Floor), ("restraints", Restraint)):
-            object.__setattr__(self, name, _records(f"Wall.{name}", getattr(self, name), kind))
-        object.__setattr__(self, "outline", _points("Wall.outline", self.outline))
+        for name, kind in LISTS.items():
+            vars(self)[name] = _records(f"Wall.{name}", getattr(self, name), kind)
+        vars(self)["outline"] = _points("Wall.outline", self.outline)
         check_fields(self)
-        object.__setattr__(self, "floors", tuple(floor.on(self) for floor in self.floors))
+        vars(self)["floors"] = tuple(floor.on(self) for floor in self.floors)
         if self.courses < 1 or self.length < self.brick.length / 2:
             raise InputError(
                 f"wall {self.name}: {self.length:g} x {self.height:g} m is smaller than "
@@ -600,14 +600,13 @@ class Wall:
         parts = {"brick": record_from(Brick, brick)}
         parts["joint"] = record_from(Joint, table.get("joint", {}))
         parts["lintel"] = table.get("lintel", "courses" if table.get("openings") else "concrete")
-        openings = tuple(record_from(Opening, opening) for opening in table.get("openings", ()))
-        floors = tuple(record_from(Floor, floor) for floor in table.get("floors", ()))
-        restraints = tuple(
-            record_from(Restraint, restraint) for restraint in table.get("restraints", ())
-        )
-        return record_from(
-            cls, table | parts | {"openings": openings, "floors": floors, "restraints": restraints}
-        )
+        for name, kind in LISTS.items():
+            parts[name] = [record_from(kind, entry) for entry in table.get(name, ())]
+        return record_from(cls, table | parts)
+
+
+LISTS = {"openings": Opening, "floors": Floor, "restraints": Restraint}
+"""{field of Wall that is a list: kind of its records}."""
 
 
 def _records(what, given, kind):

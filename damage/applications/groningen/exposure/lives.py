@@ -111,7 +111,7 @@ class Choices:
                 f"largest_alone = {self.largest_alone!r}: expected true or false; correct it"
             )
         if self.strong is not None:
-            object.__setattr__(self, "strong", _pair("strong", self.strong, 0, 0.49))
+            vars(self)["strong"] = _pair("strong", self.strong, 0, 0.49)
         if (self.settle, self.distortion) == (None, None):
             return
         settle = tuple(self.settle) if isinstance(self.settle, list | tuple) else ()
@@ -127,8 +127,8 @@ class Choices:
             raise InputError(
                 f"distortion = {list(bounds)}: expected the smaller one first; exchange them"
             )
-        object.__setattr__(self, "settle", settle)
-        object.__setattr__(self, "distortion", bounds)
+        vars(self)["settle"] = settle
+        vars(self)["distortion"] = bounds
 
 
 def _pair(name, value, least, most):
