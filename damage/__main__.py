@@ -85,9 +85,9 @@ def _keep_sources(parser, asked):
     }
     paths = {True: set(), False: set()}
     for name, value in vars(asked).items():
-        for one in value if isinstance(value, list) else [value]:
-            if isinstance(one, Path) and one.is_file():
-                paths[name in written].add(one.resolve())
+        for entry in value if isinstance(value, list) else [value]:
+            if isinstance(entry, Path) and entry.is_file():
+                paths[name in written].add(entry.resolve())
     for path in paths[True] & paths[False]:
         raise InputError(
             f"{shown_path(path)} is read by this command and would be overwritten; expected another"

@@ -52,11 +52,11 @@ def from_words(table):
 
 
 def _in_words(table, change):
-    words = [name for name in table if not pd.api.types.is_numeric_dtype(table[name])]
+    texts = [name for name in table if not pd.api.types.is_numeric_dtype(table[name])]
     return table.assign(
         **{
             name: table[name].map(lambda cell: change(cell) if isinstance(cell, str) else cell)
-            for name in words
+            for name in texts
         }
     )
 
@@ -167,23 +167,24 @@ class CsvTable:
                 for cell, comma in zip(text[name], is_comma)
             ]
 
-    def _column(self, name, of, text):
-        """A column as its Column says."""
-        words = text[name] if name in text else pd.Series([""] * len(text), dtype=object)
-        if of.dtype == "U":
-            return words
-        values = np.array([as_float(word) if is_number(word) else math.nan for word in words])
-        for row in np.flatnonzero((words != "") & ~np.isfinite(values))[:1]:
-            one = _ONE_NUMBER if _NO_NUMBER.match(words[row]) else ""
+    def _column(self, name, column, text):
+        """The values of a column as its Column says."""
+        cells = text[name] if name in text else pd.Series([""] * len(text), dtype=object)
+        if column.dtype == "U":
+            return cells
+        values = np.array([as_float(cell) if is_number(cell) else math.nan for cell in cells])
+        for row in np.flatnonzero((cells != "") & ~np.isfinite(values))[:1]:
+            hint = _ONE_NUMBER if _NO_NUMBER.match(cells[row]) else ""
             raise self.error(
                 row,
-                f"{name} = {words[row]!r}: expected a finite number, or nothing where it is unknown"
-                f"{one}",
+                f"{name} = {cells[row]!r}: expected a finite number, or nothing where it is unknown"
+                f"{hint}",
             )
-        for row in np.flatnonzero((values < of.least) | (values > of.most))[:1]:
+        for row in np.flatnonzero((values < column.least) | (values > column.most))[:1]:
             raise self.error(
                 row,
-                f"{name} = {words[row]}: expected {of.least:g} to {of.most:g}; look at the unit",
+                f"{name} = {cells[row]}: expected {column.least:g} to {column.most:g}; look at the"
+                " unit",
             )
         return values
 

@@ -67,18 +67,16 @@ class Draws:
             return -x if negative else x
 
     def _of_32_bits(self, n):
-        """Numbers (n,) of the lower, then the upper halves of words; what is left of the last is
-        the next one's."""
-        words = self._bits.random_raw((n - len(self._half) + 1) // 2)
-        halves = np.concatenate(
-            [self._half, np.column_stack([words & _LOW, words >> _HALF]).ravel()]
-        )
+        """Numbers (n,) of the lower, then the upper halves of words of 64 bits; the half that is
+        left over is the first of the next call."""
+        bits = self._bits.random_raw((n - len(self._half) + 1) // 2)
+        halves = np.concatenate([self._half, np.column_stack([bits & _LOW, bits >> _HALF]).ravel()])
         self._half = halves[n:]
         return halves[:n]
 
     def _tail(self, negative):
         while True:
-            across, up = (-float(log(1.0 - one)) for one in self.uniform(2))
+            across, up = (-float(log(1.0 - value)) for value in self.uniform(2))
             across /= _EDGE
             if 2.0 * up > across * across:
                 return -(_EDGE + across) if negative else _EDGE + across
@@ -97,7 +95,7 @@ def _ziggurat():
     density = [1.0, *reversed(density)]
     inner = [_EDGE, 0.0, *width[1:-1]]
     whole = [int(_MANTISSA * i / w) for i, w in zip(inner, width)]
-    return [one / _MANTISSA for one in width], whole, density
+    return [value / _MANTISSA for value in width], whole, density
 
 
 _WIDTHS, _WHOLE, _HEIGHTS = _ziggurat()

@@ -24,13 +24,13 @@ def eigen(matrix):
     for _ in range(_MOST_SWEEPS):
         turned = False
         for p, q in pairs:
-            one = float(matrix[p, p])
-            other = float(matrix[q, q])
+            first = float(matrix[p, p])
+            second = float(matrix[q, q])
             beside = float(matrix[p, q])
-            if beside * beside <= abs(one * other) * _NEGLIGIBLE:
+            if beside * beside <= abs(first * second) * _NEGLIGIBLE:
                 continue
             turned = True
-            half = (other - one) / (2 * beside)
+            half = (second - first) / (2 * beside)
             tangent = math.copysign(1.0, half) / (abs(half) + math.sqrt(half * half + 1))
             cos = 1 / math.sqrt(tangent * tangent + 1)
             rotate(matrix, p, q, cos, -tangent * cos)

@@ -44,13 +44,13 @@ def did_you_mean(word, known):
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def some_of(words, most=5):
+def some_of(items, most=5):
     """The first words of a list, and how many more there are.
 
     >>> some_of(["a", "b", "c"], most=2), some_of(["a"])
     ('a, b and 1 more', 'a')
     """
-    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
+    return ", ".join(items[:most]) + (f" and {len(items) - most} more" if len(items) > most else "")
 
 
 class Warned(str):  # noqa: FURB189, printed and written as any text
@@ -74,7 +74,7 @@ _HEARD = ContextVar("heard", default=None)
 
 @contextmanager
 def heard():
-    """While this lasts warnings go into the list that it gives and are not printed."""
+    """While this lasts, collect warnings in the list that it yields, and print none."""
     texts = []
     before = _HEARD.set(texts)
     try:

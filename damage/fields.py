@@ -128,17 +128,18 @@ def text(*, default=MISSING, **more):
     )
 
 
-def option_of(one, unit=False):
+def option_of(attribute, unit=False):
     """The option of a field, without its unit or with it where it has one."""
-    name = one.metadata["option"] or one.name.replace("_", "-")
-    return f"--{name}" + f" [{one.metadata['unit']}]" * bool(
-        unit and one.metadata["unit"] not in (None, "1")
-    )
+    name = attribute.metadata["option"] or attribute.name.replace("_", "-")
+    shown = unit and attribute.metadata["unit"] not in (None, "1")
+    return f"--{name}" + (f" [{attribute.metadata['unit']}]" if shown else "")
 
 
-def check_fields(
-    record, name=lambda record, one: one.metadata["called"] or f"{type(record).__name__}.{one.name}"
-):
+def _called(record, attribute):
+    return attribute.metadata["called"] or f"{type(record).__name__}.{attribute.name}"
+
+
+def check_fields(record, name=_called):
     """Raise InputError where a field of a record is not what it says; name: of a field in the
     message.  Numbers of other kinds, as numpy's, become Python's, which files take, and lists
     tuples."""
@@ -165,15 +166,17 @@ def _plain(value):
     return int(value) if isinstance(value, Integral) else float(value)
 
 
-def _check(what, value, of):
-    if of["choices"]:
-        check_choice(what, value, of["choices"])
-    elif of["unit"] is not None and of["whole"]:
-        check_whole(what, value, of["least"], of["most"])
-    elif of["unit"] is not None and of["most"] == math.inf:
+def _check(what, value, expected):
+    if expected["choices"]:
+        check_choice(what, value, expected["choices"])
+    elif expected["unit"] is None:
+        return
+    elif expected["whole"]:
+        check_whole(what, value, expected["least"], expected["most"])
+    elif expected["most"] == math.inf:
         check_not_negative(what, value)
-    elif of["unit"] is not None:
-        check_range(what, value, of["least"], of["most"])
+    else:
+        check_range(what, value, expected["least"], expected["most"])
 
 
 def ranges_of(kind):
@@ -197,37 +200,36 @@ def implausible_fields(*records, unit=None):
     return list(dict.fromkeys(filter(None, (message_of(*entry) for entry in given if entry[1]))))
 
 
-def message_of(name, value, of):
+def message_of(name, value, usual):
     """A message on an implausible value: what a Range expects, and in which units the value would
     be plausible; None of a plausible one.  The sign does not count.
 
     >>> message_of("--scale", -250.0, Range(0.01, 100, "", {"%": 0.01}, ""))
     '--scale = -250, expected 0.01 to 100: -250 % is -250e-2'
     """
-    least, most, unit, *_, zero = of
-    if least <= abs(value) <= most or (zero and value == 0):
+    if usual.least <= abs(value) <= usual.most or (usual.zero and value == 0):
         return None
-    space = " " * bool(unit)
+    unit = f" {usual.unit}" if usual.unit else ""
     return (
-        f"{name} = {short(value)}{space}{unit}, expected {short(least)} to"
-        f" {short(most)}{space}{unit}{', or 0' * zero}{_meant(value, of)}"
+        f"{name} = {short(value)}{unit}, expected {short(usual.least)} to"
+        f" {short(usual.most)}{unit}{', or 0' if usual.zero else ''}{_meant(value, usual)}"
     )
 
 
-def _meant(value, of):
+def _meant(value, usual):
     """The end of a message about a value: in which units it would be plausible by a Range, or
     nothing."""
     if (
-        of is None
+        usual is None
         or isinstance(value, bool)
         or not isinstance(value, int | float)
         or not is_finite(value)
     ):
         return ""
     meant = [
-        f"{short(value)} {other} is {_in_si(value, size)}{' ' * bool(of.unit)}{of.unit}"
-        for other, size in of.others.items()
-        if of.least <= abs(value) * size <= of.most
+        f"{short(value)} {other} is {_in_si(value, size)}{' ' * bool(usual.unit)}{usual.unit}"
+        for other, size in usual.others.items()
+        if usual.least <= abs(value) * size <= usual.most
     ]
     return f": {', '.join(meant)}" if meant else ""
 

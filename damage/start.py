@@ -69,8 +69,8 @@ def reported(work):
         return report_error(error)
 
 
-def report_error(error, of=""):
-    """Print an error, as `reported` does, with the words `of` before it; returns the exit
+def report_error(error, subject=""):
+    """Print an error, as `reported` does, with its subject before it; returns the exit
     status."""
     message = str(error)
     status = EXIT_FAILED
@@ -101,7 +101,7 @@ def report_error(error, of=""):
 
         traceback.print_exception(error)
         return EXIT_FAILED
-    print(f"error: {of}{message}", file=sys.stderr, flush=True)
+    print(f"error: {subject}{message}", file=sys.stderr, flush=True)
     return status
 
 

@@ -51,8 +51,8 @@ def _refuse_depth(table):
     for _ in range(DEEPEST):
         parts = [
             part
-            for one in parts
-            for part in (one.values() if isinstance(one, dict) else one)
+            for branch in parts
+            for part in (branch.values() if isinstance(branch, dict) else branch)
             if isinstance(part, (dict, list))
         ]
     if parts:

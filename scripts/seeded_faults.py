@@ -377,8 +377,8 @@ FAULTS = [
                 "lanes",
                 "samples of all eight walls are those of the first",
                 "damage/reference/lanes.py",
-                "return self._sampling.samples.of(self.lane_of(wall), count)",
-                "return self._sampling.samples.of(0, count)",
+                "return self._sampling.samples.of_wall(self.lane_of(wall), count)",
+                "return self._sampling.samples.of_wall(0, count)",
                 "test_together",
             ),
             (
@@ -537,8 +537,8 @@ FAULTS = [
                 "options",
                 "numbers up to twice their limit pass",
                 "damage/fields.py",
-                'check_range(what, value, of["least"], of["most"])',
-                'check_range(what, value, of["least"], 2 * of["most"])',
+                'check_range(what, value, expected["least"], expected["most"])',
+                'check_range(what, value, expected["least"], 2 * expected["most"])',
                 "test_fields",
             ),
             (

@@ -168,7 +168,9 @@ class Parts:
     def _free(self, body, clump, later):
         """Give a clump its mass and its freedoms; later: ids of the parts of `_later`."""
         bodies = self.layout.bodies
-        _set_clump(clump.state, bodies.mass[body], bodies.inertia[body], self.layout.held[body])
+        _set_clump(
+            clump.state, bodies.mass[body], bodies.inertia[body], self.layout.restrained[body]
+        )
 
     def place(self, newton):
         """Move the bodies from where they were built to their places, those of a plane wall."""
@@ -349,7 +351,7 @@ def collision_material(joint):
     }
 
 
-def _set_clump(state, mass, inertia, held):
+def _set_clump(state, mass, inertia, restrained):
     """Set mass and inertia of a clump, and restrict it to motion in the plane, and where restraints
     hold it.
 
@@ -357,7 +359,7 @@ def _set_clump(state, mass, inertia, held):
     """
     state.mass = mass
     state.inertia = Vector3(inertia, inertia, inertia)
-    state.blockedDOFs = "yXZ" + "".join(name for name, fixed in zip("xzY", held) if fixed)
+    state.blockedDOFs = "yXZ" + "".join(name for name, fixed in zip("xzY", restrained) if fixed)
     state.refPos = state.pos
     state.refOri = state.ori
 

@@ -22,7 +22,7 @@ from damage.law.joint_law import (
     strength_left,
     tension_stiffness,
 )
-from damage.mechanics.bonds import PLACE, BondTables, Found, advance_bonds, law_of
+from damage.mechanics.bonds import PLACE, AdvancedBond, BondTables, advance_bonds, law_of
 from damage.wall.split import CUT_POINTS, beside_cuts
 
 LEAST = 1e-6  # [N], of a bond's cohesion: YADE takes zero for one without limit
@@ -147,7 +147,7 @@ class Bonds:
         `step`."""
         model = self._scene.model
         rows = np.array(joints)
-        found = np.empty((len(joints), len(Found._fields)))
+        advanced = np.empty((len(joints), len(AdvancedBond._fields)))
         advance_bonds(
             rows,
             self._places(joints),
@@ -155,30 +155,31 @@ class Bonds:
             model.closure,
             self.tables,
             self._material,
-            found,
+            advanced,
         )
         failed = []
-        for joint, values in zip(joints, found.tolist()):
-            bond = Found(*values)
+        for joint, values in zip(joints, advanced.tolist()):
+            bond = AdvancedBond(*values)
             self._correct(joint, bond)
             if bond.event == INTACT:
                 self._rearm(joint, bond)
             else:
                 self._gaping.pop(joint, None)
                 failed.append((joint, int(bond.event), bond.normal_stress, bond.shear_stress))
-        self._record(rows, Found(*found.T))
+        self._record(rows, AdvancedBond(*advanced.T))
         return failed
 
     def _slide(self, joint):
-        """Shear displacement of a bond in the last step [m]."""
+        """Shear displacement of a bond in the last step [m], along the tangent, the normal turned
+        by a right angle in the wall's plane, or against it (`handed`)."""
         geometry = self._scene.geometries[joint]
         normal = geometry.normal
         moved = geometry.shearInc
-        hand = float(self._scene.model.handed[joint])
-        return hand * (moved[0] * normal[2] - moved[2] * normal[0])
+        along_tangent = moved[0] * normal[2] - moved[2] * normal[0]
+        return float(self._scene.model.handed[joint]) * along_tangent
 
     def _correct(self, joint, bond):
-        """Replace the forces of a bond by those of a Found."""
+        """Replace the forces of a bond by those of an AdvancedBond."""
         scene = self._scene
         geometry = scene.geometries[joint]
         physics = scene.physics[joint]
@@ -204,7 +205,7 @@ class Bonds:
         physics.kn = area * bond.stiffness
 
     def _rearm(self, joint, bond):
-        """Give a bond that holds the strengths and the rest position of a Found."""
+        """Give a bond that holds the strengths and the rest position of an AdvancedBond."""
         scene = self._scene
         geometry = scene.geometries[joint]
         physics = scene.physics[joint]
@@ -218,7 +219,7 @@ class Bonds:
             self._gaping[joint] = Gaping(geometry, physics, bond.opening <= 0.0)
 
     def _record(self, rows, bonds):
-        """Have the tracker record bonds after a step; rows: which, bonds: a Found of arrays."""
+        """Have the tracker record bonds (rows) after a step; bonds: an AdvancedBond of arrays."""
         scene = self._scene
         tables = self.tables
         area = scene.area[rows]

@@ -260,9 +260,9 @@ class YadeWall:
                 ball(place, CORNER, self._material)
                 for place in corner_places(self.layout, body, inset)
             ]
-            for one in balls:
-                one.bounded = True
-                one.mask = SEEN
+            for tip in balls:
+                tip.bounded = True
+                tip.mask = SEEN
             self.corners.update(self._attach(body, balls))
 
     def damp_impacts(self):

@@ -58,7 +58,7 @@ class Scene:
         self._prepared = None
         self._settled = False
         self._finished = False
-        self._left = Properties.of(solver)
+        self._left = Properties.read(solver)
         self._changed = []
         Scene.current = self
 
@@ -128,7 +128,7 @@ class Scene:
         with redirect_stdout(io.StringIO()):
             take_turns([self.run.come_to_rest()])
         self._settled = True
-        self._left = Properties.of(self.solver)
+        self._left = Properties.read(self.solver)
         return self
 
     def finish(self):
@@ -147,7 +147,7 @@ class Scene:
     def changed_by_hand(self):
         """What scripts and people have changed of the wall that was built, in words, "" where
         nothing."""
-        now = Properties.of(self.solver)
+        now = Properties.read(self.solver)
         by_law = bonds_by_law(self.layout)
         for name, number in now.changed_since(self._left, by_law).items():
             self._changed.append(f"{name} ({number})")
@@ -171,7 +171,7 @@ class Properties(NamedTuple):
     masses: np.ndarray
 
     @classmethod
-    def of(cls, solver):
+    def read(cls, solver):
         """The Properties of the wall of a YadeSolver now."""
         model = solver.model
         of_bonds = {
@@ -249,10 +249,10 @@ def engines_beside(more):
             " and damping of the run; expected engines beside those; leave it out, or as YADE's"
             " new scene has it"
         )
-    for one in (*engines, *given):
-        if not isinstance(one, yade.Engine):
+    for engine in (*engines, *given):
+        if not isinstance(engine, yade.Engine):
             raise InputError(
-                f"engines: {one!r}; expected engines of YADE, like PyRunner(command='f()', "
+                f"engines: {engine!r}; expected engines of YADE, like PyRunner(command='f()', "
                 "virtPeriod=0.01); correct it"
             )
     return [*engines, *given]

@@ -33,7 +33,7 @@ class SceneReader:
         self.shear_stiffness = contacts.shear_stiffness * contacts.area
         self.mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
         # 0 where a velocity is prescribed, whatever the force
-        self.follows = np.where(model.layout.held, 0.0, 1.0)
+        self.follows = np.where(model.layout.restrained, 0.0, 1.0)
         # forces of the bearing and the constant load [N, N, N m]
         self.on_top = np.zeros_like(self.mass)
         self.start = np.column_stack([bodies.x, bodies.z])

@@ -342,7 +342,7 @@ class YadeSolver(Solver):
             elastic += self.bearing.elastic_j
         kinetic = self.scene.kinetic_energy(self.time_step / 2, self.base_now())
         motion = self.scene.motion()
-        return Instants.one(
+        return Instants.single(
             clock=self.clock,
             displacement=motion[:, :3],
             out_of_plane=self.scene.out_of_plane(motion),
@@ -372,15 +372,15 @@ class YadeSolver(Solver):
         return self.scene.base_reaction()
 
     def resume(self, state):
-        blocked = [state.blockedDOFs for state in self.scene.states]
+        blocked = [body.blockedDOFs for body in self.scene.states]
         checkpoint.restore(self, state)
         self.clock = 0
         self._input_time = 0.0
-        self.scene.follows[...] = np.where(self.layout.held, 0.0, 1.0)
+        self.scene.follows[...] = np.where(self.layout.restrained, 0.0, 1.0)
         if not self.bearing:
             self.scene.on_top[...] = 0.0
-        for one, dofs in zip(self.scene.states, blocked):
-            one.blockedDOFs = dofs
+        for body, dofs in zip(self.scene.states, blocked):
+            body.blockedDOFs = dofs
 
     def checkpoint(self):
         return checkpoint.tables_of(self)

@@ -98,11 +98,11 @@ class SpaceReader(SceneReader):
         sin, cos = self._heading[::-1]
         tilted = Rotation.from_rotvec(np.outer(angle, [sin, -cos, 0.0]))
         turned = np.concatenate([turned.as_matrix(), tilted.as_matrix()]).transpose(1, 2, 0)
-        (first, one), (second, other) = (
+        (first, first_turned), (second, second_turned) = (
             (place[:, end] + _product(turned[:, :, end], arms[:, joints]), turned[:, :, end])
             for end, arms in ((end[joints], arms) for end, arms in zip(self._ends, self._arms))
         )
-        apart = _product((one + other).transpose(1, 0, 2) / 2, second - first)
+        apart = _product((first_turned + second_turned).transpose(1, 0, 2) / 2, second - first)
         across, along, through = _product(self._axes[:, :, joints], apart)
         return across, along + 1j * through
 

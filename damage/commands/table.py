@@ -122,9 +122,9 @@ PSI_FROM = _limit(
 )
 
 
-def threshold(of):
+def threshold(what):
     """The option --threshold-mm; of: what exceeds it."""
-    return _limit("--threshold-mm", 0.1, 1000, "MM", f"of {of} (default 0.1)")
+    return _limit("--threshold-mm", 0.1, 1000, "MM", f"of {what} (default 0.1)")
 
 
 def show(asked, table, describe):

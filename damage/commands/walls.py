@@ -174,9 +174,9 @@ def _check_bits(asked):
     for name in asked.runs or [
         name for name, case in bits.CASES.items() if asked.long or not case.is_long
     ]:
-        one = bits.digests([name])
-        digests |= one
-        different = bits.differing(one, known).get(name, [])
+        digest = bits.digests([name])
+        digests |= digest
+        different = bits.differing(digest, known).get(name, [])
         print(
             f"{name}: {'differs in ' + ', '.join(different) if different else 'equal'}", flush=True
         )

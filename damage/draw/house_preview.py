@@ -152,10 +152,10 @@ def _draw_ties(ax, house, ties):
 
 
 def _draw_corner(ax, house, corner):
-    one, other = (house.walls[house.names.index(name)] for name in corner.walls)
-    axes = np.array([one.axes[0, :2], -other.axes[0, :2]]).T
-    way = np.linalg.solve(axes, np.subtract(other.origin, one.origin))[0]
-    place = one.origin + way * one.axes[0, :2]
+    first, second = (house.walls[house.names.index(name)] for name in corner.walls)
+    axes = np.array([first.axes[0, :2], -second.axes[0, :2]]).T
+    way = np.linalg.solve(axes, np.subtract(second.origin, first.origin))[0]
+    place = first.origin + way * first.axes[0, :2]
     mark = MARKS[corner.kind]
     ax.plot(*place, mark, color=style.VERMILLION, ms=4)
     return {corner.kind: style.mark_handle(mark, f"{corner.kind} corner")}

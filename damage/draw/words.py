@@ -113,9 +113,9 @@ def wall_words(name, noun="wall"):
     >>> wall_words("terraced_house", "house"), wall_words("box:front")
     ('Terraced house', 'Box, front wall')
     """
-    words = name.replace("_", " ").replace(":", ", ").strip()
-    words = words[:1].upper() + words[1:]
-    return words if noun in words.lower().split() else f"{words} {noun}"
+    title = name.replace("_", " ").replace(":", ", ").strip()
+    title = title[:1].upper() + title[1:]
+    return title if noun in title.lower().split() else f"{title} {noun}"
 
 
 def motion_words(loading):
@@ -205,5 +205,5 @@ def counted(count, noun):
     >>> counted(1, "cycle"), counted(3, "cycle"), counted(20, "cycle")
     ('one cycle', 'three cycles', '20 cycles')
     """
-    words = _COUNTS[count] if 0 <= count < len(_COUNTS) else str(count)
-    return f"{words} {noun}{'' if count == 1 else 's'}"
+    number = _COUNTS[count] if 0 <= count < len(_COUNTS) else str(count)
+    return f"{number} {noun}{'' if count == 1 else 's'}"

@@ -26,12 +26,12 @@ class Blocks(NamedTuple):
     column: np.ndarray
     values: np.ndarray
 
-    def bounded(self, free, own):
-        """These with `own` on the diagonal, where coordinates that are not free, bool (n_bodies,
+    def bounded(self, free, diagonal):
+        """These with more on the diagonal, where coordinates that are not free, bool (n_bodies,
         coordinates), are coupled to no other."""
         values = self.values * free[self.row][:, :, None] * free[self.column][:, None, :]
         index = np.arange(free.shape[1])
-        values[np.flatnonzero(self.row == self.column)[:, None], index, index] += own
+        values[np.flatnonzero(self.row == self.column)[:, None], index, index] += diagonal
         return self._replace(values=values)
 
     def sparse(self):

@@ -72,9 +72,9 @@ CYCLES = {
     **index_columns("max_", "largest in the cycle: "),
     **{
         f"cumulative_max_{prefix}DI": Column(
-            "1", "largest index from the shock's start to the cycle's end" + words
+            "1", "largest index from the shock's start to the cycle's end" + criterion
         )
-        for prefix, words in CRITERION_WORDS.items()
+        for prefix, criterion in CRITERION_WORDS.items()
     },
     **SLIP,
 }
@@ -127,8 +127,8 @@ SHOCKS = {
     **index_columns("max_", "largest in the shock: "),
     **index_columns("residual_", "at its end: "),
     **{
-        f"{kind}_{name}": Column(unit, f"{words}: {meaning}")
-        for kind, words in (("max", "largest in the shock"), ("residual", "at its end"))
+        f"{kind}_{name}": Column(unit, f"{moment}: {meaning}")
+        for kind, moment in (("max", "largest in the shock"), ("residual", "at its end"))
         for name, unit, meaning in (
             ("psi", "1", "Korswagen's damage parameter of the cracks"),
             ("crack_width_mm", "mm", "width of the widest crack"),

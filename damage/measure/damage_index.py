@@ -74,8 +74,8 @@ def _names(kind, slip):
             "1", "the last state of the settling stage, or of a collapse"
         ),
         **{
-            _names(kind, slip): Column("1", f"the same with slip {words}")
-            for slip, words in {
+            _names(kind, slip): Column("1", f"the same with slip {criterion}")
+            for slip, criterion in {
                 "accumulated": "accumulated",
                 "shear-limit": "by the shear limit",
             }.items()

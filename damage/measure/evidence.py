@@ -417,8 +417,8 @@ def outside(evidence):
     ]
 
 
-def names_outside(words):
-    """Names of the quantities in the words of `outside`, joined by "; ", a set.
+def names_outside(text):
+    """Names of the quantities in the text of `outside`, joined by "; ", a set.
 
     >>> names_outside("length 6.2 m (1 to 4.05 m); drift across the wall 1 % (none)") == {
     ...     "length", "drift across the wall"
@@ -429,7 +429,7 @@ def names_outside(words):
     names = sorted((quantity.name for quantity in QUANTITIES), key=len, reverse=True)
     return {
         next(name for name in names if part.startswith(f"{name} "))
-        for part in filter(None, words.split("; "))
+        for part in filter(None, text.split("; "))
     }
 
 

@@ -27,11 +27,11 @@ class DamageClasses:
         """Text: the classes with the bounds between them, then the source."""
         unit, factor = {"drift": (" %", 100), "psi": ("", 1), "width": (" mm", 1)}[self.measure]
         bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
-        words = [
+        parts = [
             self.classes[0],
             *(word for pair in zip(bounds, self.classes[1:]) for word in pair),
         ]
-        return f"{', '.join(words)}; {self.source}"
+        return f"{', '.join(parts)}; {self.source}"
 
     def classify(self, value):
         """Name of the damage class of a value [-], of a width [mm]; None for None.

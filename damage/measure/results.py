@@ -22,14 +22,14 @@ class Result(NamedTuple):
     """How a result is shown.
 
     unit: of its values times factor; digits: how many significant ones are known, 0 of a count,
-    None for three decimals; of: what a share is of, or what else belongs to the value, a template
-    of what `summarise` returns.
+    None for three decimals; remark: what a share is of, or what else belongs to the value, a
+    template of what `summarise` returns.
     """
 
     label: str
     unit: str = ""
     digits: int | None = None
-    of: str = ""
+    remark: str = ""
     factor: float = 1.0
 
     @property
@@ -48,17 +48,17 @@ class Result(NamedTuple):
 
 
 RESULTS = {
-    "max_DI": Result("DI", of="of 1"),
-    "max_DI_drift": Result("DI_drift", of="of a drift ratio of {drift_limit_pct:g} %"),
-    "max_DI_open": Result("DI_open", of="of the joint length, opened by {threshold_mm:g} mm"),
+    "max_DI": Result("DI", remark="of 1"),
+    "max_DI_drift": Result("DI_drift", remark="of a drift ratio of {drift_limit_pct:g} %"),
+    "max_DI_open": Result("DI_open", remark="of the joint length, opened by {threshold_mm:g} mm"),
     "max_DI_slip": Result(
-        "DI_slip", of="of the joint length, slipped by {threshold_mm:g} mm, by {slip}"
+        "DI_slip", remark="of the joint length, slipped by {threshold_mm:g} mm, by {slip}"
     ),
     "max_drift_ratio": Result("drift ratio", "%", 3, "of the height", 100.0),
     "max_drift_across_ratio": Result("drift ratio across", "%", 3, "of the height", 100.0),
     "max_crack_width_mm": Result("widest crack", "mm", 2, "{crack_width_class} (Burland)"),
     "max_psi": Result(
-        "Psi", digits=2, of="{psi_class} (Korswagen), cracks from {psi_from_mm:g} mm"
+        "Psi", digits=2, remark="{psi_class} (Korswagen), cracks from {psi_from_mm:g} mm"
     ),
     "max_crack_width_outside_mm": Result("widest crack outside", "mm", 2),
     "max_crack_width_inside_mm": Result("widest crack inside", "mm", 2),
@@ -67,9 +67,9 @@ RESULTS = {
     "failed": Result(
         "failed contact points",
         digits=0,
-        of="of {contact_points}: {tension_breaks} in tension, {shear_breaks} in shear",
+        remark="of {contact_points}: {tension_breaks} in tension, {shear_breaks} in shear",
     ),
-    "ended_joints": Result("ended joints", digits=0, of="whose faces no longer overlap"),
+    "ended_joints": Result("ended joints", digits=0, remark="whose faces no longer overlap"),
     "max_opening_mm": Result("opening", "mm", 2),
     "max_offset_mm": Result("offset", "mm", 2),
     "max_slip_mm": Result("accumulated slip", "mm", 2),
@@ -90,12 +90,12 @@ RESULTS = {
     "first_free_cycle_s": Result(
         "first free cycle", "s", 3, "{period_elongation:.2f} of the intact wall's period"
     ),
-    "angular_distortion": Result("angular distortion", digits=3, of="of the settlement"),
-    "deflection_ratio": Result("deflection ratio", digits=3, of="of the settlement"),
+    "angular_distortion": Result("angular distortion", digits=3, remark="of the settlement"),
+    "deflection_ratio": Result("deflection ratio", digits=3, remark="of the settlement"),
     "relative_settlement_mm": Result("relative settlement", "mm", 2),
     "settled_crack_width_mm": Result("settled, widest crack", "mm", 2, "before the motion"),
-    "settled_psi": Result("settled, Psi", digits=2, of="before the motion"),
-    "settled_DI": Result("settled, DI", of="of 1, before the motion"),
+    "settled_psi": Result("settled, Psi", digits=2, remark="before the motion"),
+    "settled_DI": Result("settled, DI", remark="of 1, before the motion"),
     "max_base_translation_mm": Result("base translation", "mm", 2, "not in the drift"),
     "max_base_rotation_rad": Result("base rotation", "mrad", 2, "not in the drift", 1e3),
     "pgv_m_s": Result("PGV", "m/s", 3, "of the motion as applied"),
@@ -162,7 +162,7 @@ def line_of(result, value, residual=None, known=MappingProxyType({"whole": ""}))
     """A Result as a line for people: label, value, residual, unit, and what it is of, with what
     else is known of the run."""
     rest = "" if residual is None else result.shown(residual)
-    unit = " ".join(filter(None, (result.unit, result.of.format(**known))))
+    unit = " ".join(filter(None, (result.unit, result.remark.format(**known))))
     return f"{result.label:22s}{result.shown(value):>9s} {rest:>9s}  {unit}".rstrip()
 
 

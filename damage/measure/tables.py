@@ -136,11 +136,10 @@ def joints_table(history):
     active = history.active
     states = history.states
 
-    def column(of, values):
-        """A column for all contact points, zero except for those with sparse data `of`, whose
-        values (n,) are given."""
+    def column(contacts, values):
+        """A column for all contact points: values (n,) of these Contacts, zero of the others."""
         whole = np.zeros(len(table), values.dtype)
-        whole[of.joints] = values
+        whole[contacts.joints] = values
         return whole
 
     opening = active.opening_m

@@ -288,7 +288,7 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
     # masses are equal in all walls
     places = tables.bodies
     inertia = tables.inertia
-    one = wall_of(n, 0)
+    wall = wall_of(n, 0)
     for m in range(strain.shapes.shape[2]):
         k = RIGID + m
         half = 0.5 * dt * strain.damping[b, m]
@@ -303,7 +303,7 @@ def move_modes(n, tables, bench, strain, dt, b, lost, damped):
         store(n, places, b, first_force(places) + k, 0.0)
         lost = (
             lost
-            + mass_of(one, inertia, b, k) * (resistance + strain.damping[b, m] * middle) * middle
+            + mass_of(wall, inertia, b, k) * (resistance + strain.damping[b, m] * middle) * middle
         )
     return lost
 
@@ -387,7 +387,7 @@ def energies_of_modes(n, tables, strain):
     """
     kinetic = zero(n)
     stored = zero(n)
-    one = wall_of(n, 0)
+    wall = wall_of(n, 0)
     if strain is None:
         return kinetic, stored
     bodies = tables.bodies
@@ -398,8 +398,8 @@ def energies_of_modes(n, tables, strain):
             place = place_of(n, bodies, b, RIGID + m)
             velocity = velocity_of(n, inertia, b, RIGID + m)
             rate = force_of(n, bodies, b, RIGID + m) - strain.stiffness[b, m] * place
-            rate = rate * inverse_mass_of(one, inertia, b, RIGID + m)
+            rate = rate * inverse_mass_of(wall, inertia, b, RIGID + m)
             velocity = (velocity + 0.5 * dt * rate) / (1.0 + 0.5 * dt * strain.damping[b, m])
-            kinetic = kinetic + 0.5 * mass_of(one, inertia, b, RIGID + m) * velocity * velocity
+            kinetic = kinetic + 0.5 * mass_of(wall, inertia, b, RIGID + m) * velocity * velocity
             stored = stored + 0.5 * strain.stiffness[b, m] * place * place
     return kinetic, stored

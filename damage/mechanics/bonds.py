@@ -9,7 +9,7 @@ from damage.law.joint_law import ContactState, LawParameters, advance, range_lef
 from damage.mechanics.compiled import entry
 
 
-class Found(NamedTuple):
+class AdvancedBond(NamedTuple):
     """What a step of the joint law makes of a bond.
 
     Attributes
@@ -75,8 +75,8 @@ class BondTables(NamedTuple):
 
 
 @entry
-def advance_bonds(rows, places, steps, closure, bonds, material, found):
-    """Advance bonds by one step of the joint law, in `bonds`, and write a Found of each.
+def advance_bonds(rows, places, steps, closure, bonds, material, advanced):
+    """Advance bonds by one step of the joint law, in `bonds`, and write an AdvancedBond of each.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def advance_bonds(rows, places, steps, closure, bonds, material, found):
         Plastic closure of all bonds [m].
     bonds : BondTables
     material : Material
-    found : (m, fields of Found) array
+    advanced : (m, fields of AdvancedBond) array
         Written.
     """
     for k in range(len(rows)):
@@ -109,7 +109,7 @@ def advance_bonds(rows, places, steps, closure, bonds, material, found):
         stiffness = law.normal_stiffness
         if opening > 0.0 and not new.broken:
             stiffness = left.tension_stiffness
-        values = Found(
+        values = AdvancedBond(
             new.normal_stress,
             new.shear_stress,
             opening,
@@ -123,7 +123,7 @@ def advance_bonds(rows, places, steps, closure, bonds, material, found):
             sine,
         )
         for column, value in enumerate(values):
-            found[k, column] = value
+            advanced[k, column] = value
 
 
 @entry

@@ -67,7 +67,7 @@ def build(layout):
     if layout.strain:
         system.mass[:n_bodies, RIGID:] = layout.strain.mass
     system.inverse_mass[system.mass > 0] = 1 / system.mass[system.mass > 0]
-    system.inverse_mass[:n_bodies, :RIGID][layout.held] = 0.0
+    system.inverse_mass[:n_bodies, :RIGID][layout.restrained] = 0.0
     if top := top_of(layout.wall):
         beam = layout.bodies.course == CAP_COURSE
         system.bearings["load"] = layout.load_mass

@@ -189,9 +189,11 @@ def forces_on_bodies(frame, resultant, motion):
 
 
 @inlined
-def add(one, other):
+def add(first, second):
     """Sum of two Resultants [N, N m]."""
-    return Resultant(one.normal + other.normal, one.shear + other.shear, one.couple + other.couple)
+    return Resultant(
+        first.normal + second.normal, first.shear + second.shear, first.couple + second.couple
+    )
 
 
 @inlined

@@ -74,7 +74,7 @@ class Samples(NamedTuple):
             totals=np.zeros((n_walls, n_samples, TOTALS)),
         )
 
-    def of(self, wall, count):
+    def of_wall(self, wall, count):
         """Views of the first samples of one wall, without the axis of walls."""
         return Samples(*(values[wall, :count] for values in self))
 

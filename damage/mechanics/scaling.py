@@ -153,42 +153,46 @@ def values_of(n, room, node):
 
 
 @inlined
-def keep_values(n, room, node, of):
+def keep_values(n, room, node, values):
     """Write a Node into the first three fields of the room."""
-    store(n, room, node, 0, of.x)
-    store(n, room, node, 1, of.z)
-    store(n, room, node, 2, of.r)
+    store(n, room, node, 0, values.x)
+    store(n, room, node, 1, values.z)
+    store(n, room, node, 2, values.r)
 
 
 @inlined
-def less(one, other):
+def less(first, second):
     """Difference of two Nodes."""
-    return Node(one.x - other.x, one.z - other.z, one.r - other.r)
+    return Node(first.x - second.x, first.z - second.z, first.r - second.r)
 
 
 @inlined
-def product(n, blocks, i, of):
+def product(n, blocks, i, node):
     """Node: block i times a Node."""
     return Node(
-        along(n, blocks, i, 0, 1, of), along(n, blocks, i, 3, 1, of), along(n, blocks, i, 6, 1, of)
+        along(n, blocks, i, 0, 1, node),
+        along(n, blocks, i, 3, 1, node),
+        along(n, blocks, i, 6, 1, node),
     )
 
 
 @inlined
-def product_across(n, blocks, i, of):
+def product_across(n, blocks, i, node):
     """Node: block i, transposed, times a Node."""
     return Node(
-        along(n, blocks, i, 0, 3, of), along(n, blocks, i, 1, 3, of), along(n, blocks, i, 2, 3, of)
+        along(n, blocks, i, 0, 3, node),
+        along(n, blocks, i, 1, 3, node),
+        along(n, blocks, i, 2, 3, node),
     )
 
 
 @inlined
-def along(n, blocks, i, first, apart, of):
+def along(n, blocks, i, first, apart, node):
     """Three entries of block i, the first one and those so far apart, times a Node."""
     return (
-        of_each(n, blocks, i, first) * of.x
-        + of_each(n, blocks, i, first + apart) * of.z
-        + of_each(n, blocks, i, first + 2 * apart) * of.r
+        of_each(n, blocks, i, first) * node.x
+        + of_each(n, blocks, i, first + apart) * node.z
+        + of_each(n, blocks, i, first + 2 * apart) * node.r
     )
 
 

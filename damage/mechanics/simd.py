@@ -518,7 +518,7 @@ def _add_part(context, builder, signature, values):
 
 # Shuffles of two vectors: their even elements alternately, and their odd elements.
 _EVEN, _ODD = (
-    [k + of for pair in range(0, WIDTH, 2) for of in (pair, WIDTH + pair)] for k in (0, 1)
+    [k + start for pair in range(0, WIDTH, 2) for start in (pair, WIDTH + pair)] for k in (0, 1)
 )
 # Shuffles of two vectors of pairs: the first pairs of each four alternately, and the second pairs.
 _FRONT, _BACK = (

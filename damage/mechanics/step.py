@@ -362,14 +362,14 @@ def let_go(n, tables, model, p, gone):
     which it is ENDING."""
     interface = tables.interfaces[p]
     for w in range(lanes(n)):
-        one = wall_of(n, w)
-        if gone >> w & 1 and load(one, tables.limits, p, HAS_FAILED) == ENDING:
+        wall = wall_of(n, w)
+        if gone >> w & 1 and load(wall, tables.limits, p, HAS_FAILED) == ENDING:
             motion = of_wall(rows.moved(n, tables, p)[1], w)
             for i in range(interface.start, interface.stop):
                 at_point = strain_modes.motion_at(
-                    one, tables.bodies, model.strain, interface, i, motion
+                    wall, tables.bodies, model.strain, interface, i, motion
                 )
-                contacts.let_go(one, tables, i, at_point)
+                contacts.let_go(wall, tables, i, at_point)
                 tables.used[i] = 1
             fail(n, tables, p, w, ENDED)
 
@@ -421,12 +421,12 @@ def by_law(n, tables, model, asked, points, motion, beyond, elastic):
     resultant, changed = elastic
     for w in range(lanes(n)):
         if beyond >> w & 1:
-            one = wall_of(n, w)
+            wall = wall_of(n, w)
             now = of_wall(motion, w)
             step = asked.clock[w] + asked.step
-            before = motion_before(one, tables, model.strain, points, now, asked.damped)
+            before = motion_before(wall, tables, model.strain, points, now, asked.damped)
             of_points, change, failed = contacts.law_resultant(
-                one, tables, model.threshold, points, step, now, before, asked.damped
+                wall, tables, model.threshold, points, step, now, before, asked.damped
             )
             resultant = with_wall(resultant, w, of_points)
             changed = with_wall(changed, w, change)

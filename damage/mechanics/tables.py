@@ -94,6 +94,12 @@ class Beam(NamedTuple):
     force: float
 
 
+SPRING_STIFFNESS, BEAM_SHARE, SPRING_REST = range(3)
+"""Columns of `turning`, a row for each body: stiffness of a rotational spring between it and the
+machine that moves it [N m/rad], share of the force of a spreader beam [-], and the rotation at
+which the spring has no moment [rad]."""
+
+
 class Strengths(NamedTuple):
     """Parameters of a contact point: normal and shear stiffness [Pa/m]; strengths [N] and fracture
     energies [J] as of LawParameters, times its area."""
@@ -192,9 +198,7 @@ class System(
     relaxation: (2,) adaptive mass-proportional damping [1/s], kinetic energy of the last step [J]
     last: (interfaces, LAST) for stiffness-proportional damping; a row for each contact where bricks
     deform
-    turning: (bodies, 3) rotational spring between a body and the machine that moves it [N m/rad],
-        share of that machine's force [-], and the rotation at which the spring has no moment [rad]
-    beam (Beam): (1,) what gives bodies these shares
+    turning: (bodies, 3) SPRING_STIFFNESS, BEAM_SHARE and SPRING_REST; beam (Beam): (1,)
     bearings (Bearing): (bodies,) what is between a restrained top and the ground, none without
     springs: (interfaces, SPRINGS) of intact interfaces; material: (fields of Material,)
     """

@@ -48,7 +48,7 @@ def read(path, data, unit=None):
             "a PEER AT2 header such as NPTS= 4000, DT= .0050 SEC",
         )
     count, step_s = count_and_step(lines[head])
-    taken, words = _unit(path, lines[:head] or [""], unit)
+    taken, unit_origin = _unit(path, lines[:head] or [""], unit)
     if count > MOST_SAMPLES:
         raise InputError(f"{path}: {count} samples; expected up to {MOST_SAMPLES}, cut the record")
     check_step(path, step_s)
@@ -63,7 +63,12 @@ def read(path, data, unit=None):
         )
     with np.errstate(over="ignore"):  # an infinite sample is refused with its number
         return Record(
-            Path(path).stem, step_s, np.array(values) * UNITS_M_S2[taken], "", str(path), unit=words
+            Path(path).stem,
+            step_s,
+            np.array(values) * UNITS_M_S2[taken],
+            "",
+            str(path),
+            unit=unit_origin,
         )
 
 

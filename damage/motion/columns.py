@@ -133,11 +133,11 @@ def read_columns(path, lines, unit=None, sample_step_s=None):
     _refuse_doubled(table, time_s, acceleration)
     step_s = sample_step_s if alone else uniform_step(path, table.line, time_s, sample_step_s)
     check_step(path, step_s)
-    taken, words = taken_unit(path, named_by, named, unit)
+    taken, unit_origin = taken_unit(path, named_by, named, unit)
     first_s = 0.0 if alone else float(time_s[0])
     if first_s and sample_step_s is not None:  # of milliseconds, or of sample numbers
         first_s *= step_s * (time_s.size - 1) / float(time_s[-1] - time_s[0])
-    return step_s, first_s, acceleration * UNITS_M_S2[taken], words
+    return step_s, first_s, acceleration * UNITS_M_S2[taken], unit_origin
 
 
 def _refuse_doubled(table, time_s, acceleration):

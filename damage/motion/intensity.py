@@ -135,9 +135,9 @@ def pgv_rotd100_m_s(record: Record, across: Record) -> float:
     """
     part = np.linspace(0.0, 1.0, INSTANTS + 1)[:, np.newaxis]
 
-    def velocity(one):
-        a = one.acceleration_m_s2
-        step_s = one.time_step_s
+    def velocity(component):
+        a = component.acceleration_m_s2
+        step_s = component.time_step_s
         at_samples = scipy.integrate.cumulative_trapezoid(a, dx=step_s, initial=0.0)
         return at_samples[:-1] + step_s * part * (a[:-1] + 0.5 * part * np.diff(a))
 
@@ -364,12 +364,12 @@ def drift_warnings(loading) -> list[str]:
         without["what is below {:g} Hz (--band {:g} {:g})".format(SLOW_HZ, *band)] = {
             "band_hz": band
         }
-    for words, changed in without.items():
+    for change, changed in without.items():
         both = zip(loading.components, _pgv(plain), _pgv(replace(plain, **changed)))
         for component, whole, left in both:
             if left < WARNED_PGV * whole:
                 return [
-                    f"{component.name}: its PGV of {whole:.3g} m/s is {left:.3g} without {words};"
+                    f"{component.name}: its PGV of {whole:.3g} m/s is {left:.3g} without {change};"
                     " expected nearly the same: it is that of a baseline that drifts, a permanent"
                     " displacement, or a record without rest around its motion"
                 ]

@@ -24,9 +24,9 @@ RANGES = dict(
             "--pushover, --cyclic",
         ),
         (
-            of
+            usual
             for kind in (Harmonic, Recorded, Event, TopDisplacement)
-            for of in ranges_of(kind).values()
+            for usual in ranges_of(kind).values()
         ),
         strict=True,
     )
@@ -97,8 +97,8 @@ def faint_warnings(peak_g):
     )
 
 
-def _implausible(name, value, of, cause):
-    message = message_of(f"{name} of the base motion", value, of)
+def _implausible(name, value, usual, cause):
+    message = message_of(f"{name} of the base motion", value, usual)
     return message and f"{message}: {cause}"
 
 
@@ -166,11 +166,11 @@ def channel_warnings(loading):
     return [
         f"{record.name}: its name is that of a {named} component, and it is taken as the {taken}"
         f" motion; expected a {taken} one, give that"
-        for record, of_another, named, taken in (
-            (loading.record, VERTICAL, "vertical", "horizontal"),
-            (loading.vertical, HORIZONTAL, "horizontal", "vertical"),
+        for record, taken, channels, named in (
+            (loading.record, "horizontal", VERTICAL, "vertical"),
+            (loading.vertical, "vertical", HORIZONTAL, "horizontal"),
         )
-        if record and of_another.fullmatch(record.name)
+        if record and channels.fullmatch(record.name)
     ]
 
 

@@ -20,12 +20,12 @@ _TERMS = 30
 1e-30 of it."""
 
 
-def linear(x, at, values):
-    """Values at x of the lines through points (at, values), `at` rising; beyond the outer points it
-    is theirs."""
-    ends = np.append(at, np.inf)
+def linear(x, knots, values):
+    """Values at x of the lines through points (knots, values), the knots rising; beyond the outer
+    points it is theirs."""
+    ends = np.append(knots, np.inf)
     values = np.append(values, values[-1])
-    left = np.maximum(np.searchsorted(at, x, side="right") - 1, 0)
+    left = np.maximum(np.searchsorted(knots, x, side="right") - 1, 0)
     share = np.maximum((x - ends[left]) / (ends[left + 1] - ends[left]), 0.0)
     return values[left] + share * (values[left + 1] - values[left])
 

@@ -164,13 +164,13 @@ class Lanes:
         overwrites."""
         parts = [*wall.earlier, self._samples_now(wall)]
         if len(parts) == 1:
-            return self._sampling.samples.of(self.lane_of(wall), count)
+            return self._sampling.samples.of_wall(self.lane_of(wall), count)
         return Samples(*(np.concatenate(of_parts)[:count] for of_parts in zip(*parts)))
 
     def _samples_now(self, wall):
         """Samples of a wall from the last `run`, its stresses where it has them."""
         w = self.lane_of(wall)
-        samples = self._sampling.samples.of(w, self._sampling.taken[w])
+        samples = self._sampling.samples.of_wall(w, self._sampling.taken[w])
         return samples if wall.with_stresses else samples._replace(stress=samples.stress[..., :0])
 
     def sample_now(self, wall, field):
@@ -180,7 +180,7 @@ class Lanes:
         w = self.lane_of(wall)
         field = np.tile(field, (len(self._walls), 1, 1))
         kernel.look(self._n, self.tables, self._model, self._now()[1], field, 0, 1 << w, sampling)
-        return sampling.samples.of(w, 1)
+        return sampling.samples.of_wall(w, 1)
 
     def confine(self, wall):
         """Bring what the cuts through a wall's bricks bear up to date with its last readings."""
@@ -189,7 +189,7 @@ class Lanes:
     def find_forces(self, singly=True):
         """Forces of a single wall at the present displacements without damping; if singly, by
         contact points and with readings."""
-        holds = bool(self.tables.turning[:, 0].any())
+        holds = bool(self.tables.turning[:, tables.SPRING_STIFFNESS].any())
         kernel.find_forces(
             self._n,
             self.tables,

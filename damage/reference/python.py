@@ -32,12 +32,12 @@ DEFAULTS = {"pictures": False, "quiet": True}
 
 def run(wall, motion=None, **options):
     """History of one run; arguments, errors and warnings: `damage.run`."""
-    with heard() as found:
+    with heard() as texts:
         try:
-            history = replace(_run(wall, motion, options), heard=tuple(found))
-            found[:] = warnings_of(history)
+            history = replace(_run(wall, motion, options), heard=tuple(texts))
+            texts[:] = warnings_of(history)
         finally:
-            for text in found:
+            for text in texts:
                 warnings.warn(text, RunWarning, stacklevel=3)  # where the user called damage.run
     return history
 

@@ -24,7 +24,7 @@ class RestCache:
         # {digest of all inputs of the static stage: (checkpoint, looks at the stage)}
         self._kept = OrderedDict()
 
-    def of(self, prepared):
+    def rest(self, prepared):
         """Rest of a Prepared run."""
         return Rest(self, digest_of(prepared))
 

@@ -123,7 +123,7 @@ def _run(name, line, histories, settled, keep_going):
         words[0] if callable(words[0]) else partial(parse_run, words, solver=BACKEND.name)
     )
     settings = make_settings(prog=f"{PROG} {shown_path(wall)}")
-    one = prepare(
+    prepared = prepare(
         BACKEND,
         wall,
         lambda: load_wall_or_house(wall),
@@ -131,5 +131,5 @@ def _run(name, line, histories, settled, keep_going):
         histories.get(name, HistoryWriter),
     )
     if name in histories:
-        histories[name] = one.writer
-    return (yield from simulate(one, keep_going, settled.of(one)))
+        histories[name] = prepared.writer
+    return (yield from simulate(prepared, keep_going, settled.rest(prepared)))

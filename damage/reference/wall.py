@@ -21,7 +21,15 @@ from damage.mechanics.build import (
 )
 from damage.mechanics.factor import scaled_mass
 from damage.mechanics.samples import ELASTIC, FIELD_NAMES, KINETIC
-from damage.mechanics.tables import RIGID, ROTATION, X, copy_lines
+from damage.mechanics.tables import (
+    BEAM_SHARE,
+    RIGID,
+    ROTATION,
+    SPRING_REST,
+    SPRING_STIFFNESS,
+    X,
+    copy_lines,
+)
 from damage.reference.lanes import Lanes, run_together
 from damage.units import GRAVITY
 
@@ -252,8 +260,8 @@ class ReferenceWall:
         """Prescribe the horizontal velocity of bodies (indices) from now on, first zero; rotation:
         prevent it, too; stiffness: of a rotational spring on each, from the present rotation on [N
         m/rad]."""
-        self.system.turning[bodies, 0] = stiffness
-        self.system.turning[bodies, 2] = self.system.place[bodies, ROTATION]
+        self.system.turning[bodies, SPRING_STIFFNESS] = stiffness
+        self.system.turning[bodies, SPRING_REST] = self.system.place[bodies, ROTATION]
         self._held = bodies
         self._is_driven = True
         for coordinate in (X, ROTATION) if rotation else (X,):
@@ -261,9 +269,9 @@ class ReferenceWall:
                 bodies, coordinate
             ] = 0.0
         if self.mass:
-            held = np.flatnonzero(self.system.inverse_mass[: len(self.layout.bodies)] == 0)
+            prescribed = np.flatnonzero(self.system.inverse_mass[: len(self.layout.bodies)] == 0)
             self.mass = scaled_mass(
-                self.layout, self.time_step, self.mass.beta, held.tolist(), self.mass.points
+                self.layout, self.time_step, self.mass.beta, prescribed.tolist(), self.mass.points
             )
             Lanes([self])
 
@@ -272,7 +280,7 @@ class ReferenceWall:
         shares (n_bodies,), whose sum is 1, so that the mean displacement of the bodies by these
         shares follows `push`."""
         bodies = slice(len(self.layout.bodies))
-        self.system.turning[bodies, 1] = shares
+        self.system.turning[bodies, BEAM_SHARE] = shares
         place = float(total(shares * self.system.place[bodies, X]))
         self.system.beam[:] = (place, 0.0, 0.0)
         self._held = np.flatnonzero(shares)

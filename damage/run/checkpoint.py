@@ -80,8 +80,8 @@ class Checkpoints:
 
 def _digest_of(attributes):
     """Digest of the attributes of a run, (32,) bytes: two runs have different ones."""
-    words = json.dumps({name: str(value) for name, value in attributes.items()}, sort_keys=True)
-    return np.frombuffer(hashlib.sha256(words.encode()).digest(), "u1")
+    text = json.dumps({name: str(value) for name, value in attributes.items()}, sort_keys=True)
+    return np.frombuffer(hashlib.sha256(text.encode()).digest(), "u1")
 
 
 def read_checkpoint(path, scene=True):

@@ -53,11 +53,12 @@ def as_they_end(runs, move=run_each, most=math.inf):
                 yield from _go_on(asked, run, failure)
 
 
-def _go_on(asked, one, failure):
-    """Let one run continue up to what it asks for next; yields its end where it has come to it."""
-    number, run = one
+def _go_on(asked, key, failure):
+    """Let the run of a key of `asked` continue up to what it asks for next; yields its end where it
+    has come to it."""
+    number, run = key
     try:
-        asked[one] = next(run) if failure is None else run.throw(failure)
+        asked[key] = next(run) if failure is None else run.throw(failure)
     except StopIteration as end:
-        del asked[one]
+        del asked[key]
         yield number, end.value

@@ -77,7 +77,7 @@ class Borne:
             for side in (-1, 1):
                 beside = near[side * (x[near] - x[brick]) > 0]
                 below[brick] |= (
-                    below[min(beside, key=lambda one: abs(x[one] - x[brick]))]
+                    below[min(beside, key=lambda other: abs(x[other] - x[brick]))]
                     if len(beside)
                     else set()
                 )
@@ -134,10 +134,10 @@ def unbalanced_force(layout, on_bodies, in_contacts):
 
     on_bodies: forces of the contacts, (n_bodies, 3) [N, N, N m]; in_contacts: (n_contacts,) [N].
     """
-    held = layout.held
+    restrained = layout.restrained
     resultant = hypot(
-        np.where(held[:, 0], 0.0, on_bodies[:, 0]),
-        np.where(held[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass),
+        np.where(restrained[:, 0], 0.0, on_bodies[:, 0]),
+        np.where(restrained[:, 1], 0.0, on_bodies[:, 1] - GRAVITY * layout.bodies.mass),
     )
     # bricks in flight: a number all the same, fit for a history
     least = 1e-9 * GRAVITY * layout.bodies.mass.mean()
@@ -158,7 +158,7 @@ class BaseMotion:
         self._slope = weight * arm / max(np.sum(weight * arm**2), 1e-12)
         self._up = drift_height - float(bodies.z[self._rows].mean())
 
-    def of(self, motion):
+    def components(self, motion):
         """Mean horizontal displacement (n,) [m] and rotation from x towards z (n,) [rad] of the
         course, least squares; of a single brick its own.
 
@@ -175,5 +175,5 @@ class BaseMotion:
 
     def at_top(self, motion):
         """Horizontal displacement (n,) [m] of the wall's top by this rigid motion."""
-        translation, rotation = self.of(motion)
+        translation, rotation = self.components(motion)
         return translation - sin(rotation) * self._up

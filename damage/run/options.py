@@ -47,15 +47,15 @@ def arguments_of(kind, *names):
 
 
 def _argument(attribute):
-    said = attribute.metadata
-    default = None if None in said["words"] else attribute.default
+    metadata = attribute.metadata
+    default = None if None in metadata["words"] else attribute.default
     shown = f"{default:g}" if isinstance(default, float) else default
     return arg(
         option_of(attribute),
-        said["help"] + f" (default {shown})" * (default is not None),
-        type=str if said["choices"] else float if default is None else type(default),
-        choices=said["choices"],
-        metavar=said["metavar"],
+        metadata["help"] + f" (default {shown})" * (default is not None),
+        type=str if metadata["choices"] else float if default is None else type(default),
+        choices=metadata["choices"],
+        metavar=metadata["metavar"],
         default=default,
     )
 

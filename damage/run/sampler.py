@@ -268,8 +268,8 @@ class Sampler:
     def _base_rows(self, motion):
         """Rigid motion of the base of a plane wall where the ground moves, {column of the series:
         (n,)}."""
-        of_first = self._base_motions[0].of(motion) if self._base_motions else ()
-        return dict(zip(self._layout.BASE_COLUMNS, of_first))
+        components = self._base_motions[0].components(motion) if self._base_motions else ()
+        return dict(zip(self._layout.BASE_COLUMNS, components))
 
     def _base_at(self, clock):
         """Acceleration of the base in these steps, (n, 2 or 3) [m/s2]."""

@@ -208,7 +208,7 @@ class RunSettings:
             )
         for factor in self.sequence:
             check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
-        check_fields(self, lambda _, one: option_of(one, unit=True))
+        check_fields(self, lambda _, attribute: option_of(attribute, unit=True))
         for event in self.events:
             check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
         self._check_scaling()

@@ -53,7 +53,7 @@ class Instants(NamedTuple):
     failed_ties: np.ndarray | None = None
 
     @classmethod
-    def one(cls, **values):
+    def single(cls, **values):
         """Instants of the values of a single one, and `joints`."""
 
         def along(value):

@@ -365,9 +365,9 @@ def _object(kind, special, *more):
     }
 
 
-def _schema_of(said):
+def _schema_of(metadata):
     """Schema of a field by its metadata (`damage.fields`)."""
-    if said["choices"]:
-        return {"enum": list(said["choices"])}
-    words = [{"const": word} for word in said["words"]]
-    return {"anyOf": [_NUMBER, *words]} if words else _NUMBER
+    if metadata["choices"]:
+        return {"enum": list(metadata["choices"])}
+    constants = [{"const": word} for word in metadata["words"]]
+    return {"anyOf": [_NUMBER, *constants]} if constants else _NUMBER

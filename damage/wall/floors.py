@@ -148,11 +148,11 @@ def check_floors(wall) -> None:
                 )
 
 
-def _overlap(one, other):
+def _overlap(first, second):
     """Whether two FloorPlaces share courses and length."""
     return (
-        min(one.right, other.right) - max(one.left, other.left) > TINY
-        and min(one.above, other.above) - max(one.first, other.first) > 0
+        min(first.right, second.right) - max(first.left, second.left) > TINY
+        and min(first.above, second.above) - max(first.first, second.first) > 0
     )
 
 

@@ -62,8 +62,8 @@ class ContactKinematics:
         moved = np.vstack([motion, self.at_rest if supports is None else supports])
         motions = [moved[end[select]].T for end in self.ends]
         first, second = (
-            rigid_displacement(*of, rx[select], rz[select])
-            for of, (rx, rz) in zip(motions, self.arms)
+            rigid_displacement(*moves, rx[select], rz[select])
+            for moves, (rx, rz) in zip(motions, self.arms)
         )
         dx = second[0] - first[0]
         dz = second[1] - first[1]

@@ -261,7 +261,7 @@ class Layout:
         restraints hold [kg, kg, kg m2]."""
         bodies = self.bodies
         mass = np.column_stack([bodies.mass, bodies.mass, bodies.inertia])
-        return np.where(self.held, 0.0, mass)
+        return np.where(self.restrained, 0.0, mass)
 
     @property
     def directions(self) -> list[np.ndarray]:
@@ -391,14 +391,14 @@ class Layout:
         return float(self.weighing.sum())
 
     @property
-    def held(self) -> np.ndarray:
+    def restrained(self) -> np.ndarray:
         """Coordinates whose velocity restraints prescribe, bool (n_bodies, 3)."""
         beam = self.bodies.course == CAP_COURSE
         top = top_of(self.wall)
-        held = np.repeat(self.bodies.course == SIDE_COURSE, 3).reshape(-1, 3)
+        restrained = np.repeat(self.bodies.course == SIDE_COURSE, 3).reshape(-1, 3)
         if top:
-            held[beam] = [top.stiffness is None, False, top.rotation == "fixed"]
-        return held
+            restrained[beam] = [top.stiffness is None, False, top.rotation == "fixed"]
+        return restrained
 
     @property
     def weighing(self) -> np.ndarray:
@@ -450,13 +450,13 @@ def lay_out(
 def _rounded(layout):
     """The Layout with masses, stiffnesses and strengths of fewer bits (`damage.rounded`)."""
 
-    def of(table, *names):
+    def rounded(table, *names):
         return replace(table, **{name: to_bits(getattr(table, name)) for name in names})
 
     return replace(
         layout,
-        bodies=of(layout.bodies, "mass", "inertia"),
-        contacts=of(
+        bodies=rounded(layout.bodies, "mass", "inertia"),
+        contacts=rounded(
             layout.contacts,
             "normal_stiffness",
             "shear_stiffness",

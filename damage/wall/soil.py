@@ -35,5 +35,5 @@ def on_soil(layout):
     )
 
 
-def _in_series(one, other):
-    return 1 / (1 / one + 1 / other)
+def _in_series(first, second):
+    return 1 / (1 / first + 1 / second)

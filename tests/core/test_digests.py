@@ -75,7 +75,7 @@ DECIDE = (
 MEASURE = (
     "index",
     "measure/summary",
-    "applications/cracks/kept",
+    "applications/cracks/at_rest",
     "history/reader",
     "motion/intensity",
     "wall/geometry",

@@ -132,7 +132,7 @@ class Clockwork:
             "offset_m": np.full(n, self.offset_m(self.clock)),
             "state": np.zeros(n, int),
         }
-        return Instants.one(
+        return Instants.single(
             clock=self.clock,
             displacement=displacement,
             support_displacement=np.zeros((1, 3)),

@@ -209,7 +209,7 @@ def _compare_survey(asked, paths):
 
 # of --cracked
 MODEL += [f"applications/cracks/{name}.py" for name in ("crack_file", "crack_paths", "survey")]
-MEASURES.append("applications/cracks/kept.py")  # patterns at rest
+MEASURES.append("applications/cracks/at_rest.py")  # patterns at rest
 
 
 @tables

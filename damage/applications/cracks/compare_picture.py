@@ -39,8 +39,8 @@ def compare_picture(first, second):
     for state, (label, colour, width) in JOINTS.items():
         chosen = (agreement == state) & ~elastic
         style.add_lines(below, segments[chosen], colour, width)
-        words = f"{label}: {chosen.sum()} points"
-        handles.append(style.line_handle(colour, words, max(width, 0.8)))
+        entry = f"{label}: {chosen.sum()} points"
+        handles.append(style.line_handle(colour, entry, max(width, 0.8)))
     below.autoscale_view()
     below.set(aspect="equal", xlabel="x [m]", ylabel="z [m]")
     how = JOINT_COLOURS["elastic"], THIN["elastic"]
@@ -56,8 +56,8 @@ def compare_picture(first, second):
     )
     style.put_title(figure, run_title(first), kappa)
     if elastic.any():
-        words = f"elastic, cannot fail: {elastic.sum()} points"
-        handles.append(style.line_handle(JOINT_COLOURS["elastic"], words, 0.8, DASHES["elastic"]))
+        entry = f"elastic, cannot fail: {elastic.sum()} points"
+        handles.append(style.line_handle(JOINT_COLOURS["elastic"], entry, 0.8, DASHES["elastic"]))
     style.legend_below(figure, lines + handles, columns=2)
     style.settle_layout(figure)
     return figure

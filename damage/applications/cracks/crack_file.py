@@ -211,9 +211,9 @@ def _stretches(table, points):
     for row, crack in points["crack"][starts & ends].items():
         raise table.error(row, f"crack {crack} has a polyline of one point; expected two or more")
     here = points[~ends]
-    there = points[~starts]
-    places = np.hstack([one[["x_m", "z_m"]].to_numpy(float) for one in (here, there)])
-    for row in there.index[(places[:, :2] == places[:, 2:]).all(axis=1)]:
+    after = points[~starts]
+    places = np.hstack([rows[["x_m", "z_m"]].to_numpy(float) for rows in (here, after)])
+    for row in after.index[(places[:, :2] == places[:, 2:]).all(axis=1)]:
         raise table.error(row, "the same place as the point before; leave it out")
     without_slip = here["offset"] == 0  # all that is seen is opening
     for row, mode in here["mode"][without_slip & here["mode"].isin(("shear", "mixed"))].items():

@@ -207,12 +207,14 @@ def least_index(drift, opened, slipped, either):
     return float(combine(drift, opened + to_open, slipped + either - to_open))
 
 
-def largest_index(drift, opened, slipped, both, one):
-    """Largest DI where a share `both` has opened and slipped, a share `one` either: all of `one` in
-    one."""
+def largest_index(drift, opened, slipped, both, either):
+    """Largest DI where a share `both` of the joints has opened and slipped, and a share `either`
+    has done one of these: all of it the same."""
     opened = opened + both
     slipped = slipped + both
-    return float(max(combine(drift, opened + one, slipped), combine(drift, opened, slipped + one)))
+    return float(
+        max(combine(drift, opened + either, slipped), combine(drift, opened, slipped + either))
+    )
 
 
 def largest(levels):

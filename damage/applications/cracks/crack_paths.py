@@ -277,15 +277,15 @@ class _Network:
         while before[nodes[-1]] >= 0:
             nodes.append(before[nodes[-1]])
         nodes = np.array(nodes[-2:0:-1], int)  # without the source and the end
-        here = nodes[:-1]
-        there = nodes[1:]
-        inside = here // n == there // n
-        one = near[here[inside] % n]
-        other = near[there[inside] % n]
+        # steps along a joint, which stay at one part of the line
+        inside = nodes[:-1] // n == nodes[1:] // n
+        begin = nodes[:-1][inside]
+        start = near[begin % n]
+        end = near[nodes[1:][inside] % n]
         joint = np.array(
-            [self.joint_of[min(a, b), max(a, b)] for a, b in zip(one.tolist(), other.tolist())], int
+            [self.joint_of[min(a, b), max(a, b)] for a, b in zip(start.tolist(), end.tolist())], int
         )
-        travel = self.corners[other] - self.corners[one]
+        travel = self.corners[end] - self.corners[start]
         travel = travel / hypot(*travel.T)[:, np.newaxis]
-        along = (line[1:] - line[:-1])[here[inside] // n]
+        along = (line[1:] - line[:-1])[begin // n]
         return joint, (along * travel).sum(axis=1) / hypot(*along.T)

@@ -213,8 +213,8 @@ def opening_deviation(motions, layout):
         arm = np.hypot(
             contacts.x[:n] - motions.centre[body, 0], contacts.z[:n] - motions.centre[body, 1]
         )
-        own = 1 / np.maximum(motions.n_points[body], 1) + arm**2 / motions.spread[body]
-        variance += np.where(body < 0, 0.0, own)
+        of_place = 1 / np.maximum(motions.n_points[body], 1) + arm**2 / motions.spread[body]
+        variance += np.where(body < 0, 0.0, of_place)
     return motions.noise * np.sqrt(variance)
 
 

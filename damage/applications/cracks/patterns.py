@@ -156,8 +156,8 @@ def _inside(places, extent):
 def describe_patterns(result: dict) -> list[str]:
     """The result of `compare_patterns` as text, a list of lines."""
     return [
-        f"pattern of {words} at the end of the motion: {in_words(result[what])}"
-        for what, words in (
+        f"pattern of {joints} at the end of the motion: {in_words(result[what])}"
+        for what, joints in (
             ("broken", "failed joints"),
             ("visible", "joints that opened or slipped by 0.1 mm"),
         )

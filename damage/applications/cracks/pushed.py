@@ -154,12 +154,12 @@ def figures(history, to=None):
     shares = means["failure"]
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
-        words = _words(name, to) + (
+        title = _words(name, to) + (
             ", not reached: over" if name == "ultimate_drift" and not means["ended"] else ""
         )
         rows.append(
             (
-                words,
+                title,
                 unit,
                 *(
                     None if value is None else value / size

@@ -239,16 +239,13 @@ def _looked_at(clear, on_cracks, wall):
 def _assumed(pattern, known):
     """Sentences on what a survey does not say; known: detection limit and error of widths that are
     taken [m]."""
-    words = (
+    for quantity, given, taken in zip(
         ("detection limit", "error of widths"),
-        (
-            pattern.detection_limit_m,
-            pattern.width_error_m,
-        ),
-    )
-    for word, given, taken in zip(*words, known):
+        (pattern.detection_limit_m, pattern.width_error_m),
+        known,
+    ):
         if isnan(given):
-            yield f"the survey gives no {word}: {taken / MILLIMETRE:.3g} mm is taken"
+            yield f"the survey gives no {quantity}: {taken / MILLIMETRE:.3g} mm is taken"
     if len(pattern.clear) == 0:
         yield "the survey names no area without a crack: the whole wall is taken as looked at"
     widths = pattern.stretches["width_m"].to_numpy(float)
@@ -292,7 +289,8 @@ class Seen(NamedTuple):
     length: np.ndarray
     offset: np.ndarray
 
-    def at(self, which):
+    def patterns(self, which):
+        """The Seen of these rows alone."""
         return Seen(*(values[which] for values in self))
 
 
@@ -323,22 +321,23 @@ def distance(survey, opening_m, offset_m, wall):
 
     opening_m, offset_m: (n_joints,) of the contact points of the Layout `wall` [m].
     """
-    one, known_m = surveyed(survey, wall)
-    other = seen_of(survey, np.atleast_2d(opening_m), np.atleast_2d(offset_m), wall)
-    return float(distances(one, other, survey.width_error_m, known_m)[0])
+    drawn, known_m = surveyed(survey, wall)
+    simulated = seen_of(survey, np.atleast_2d(opening_m), np.atleast_2d(offset_m), wall)
+    return float(distances(drawn, simulated, survey.width_error_m, known_m)[0])
 
 
-def distances(one, others, error_m, known_m):
-    """Distances (n,) [-] of n patterns from one, Seen of n rows and of one.
+def distances(reference, patterns, error_m, known_m):
+    """Distances (n,) [-] of n patterns from a reference, Seen of n rows and of one.
 
     error_m: of the widths [m]; known_m: (n_windows,) length of which offsets are known [m].
     """
-    off = np.maximum(np.abs(one.area - others.area) - error_m * one.length, 0.0)
-    squares = [_relative(off, one.area, others.area)]
-    if (of := known_m > 0).any():
-        squares.append(
-            _relative((one.offset - others.offset)[:, of], one.offset[:, of], others.offset[:, of])
-        )
+    off = np.abs(reference.area - patterns.area) - error_m * reference.length
+    squares = [_relative(np.maximum(off, 0.0), reference.area, patterns.area)]
+    windows = known_m > 0
+    if windows.any():
+        drawn = reference.offset[:, windows]
+        simulated = patterns.offset[:, windows]
+        squares.append(_relative(drawn - simulated, drawn, simulated))
     return np.sqrt(np.mean(squares, axis=0))
 
 
@@ -370,23 +369,27 @@ def beside(survey, opening_m, offset_m, wall):
     places = places_on(wall)
     drawn = survey.as_dict()
     widths = survey.width_m, visible(survey, opening_m, offset_m)
-    here, there = (width > 0 for width in widths)
+    surveyed_joints, run_joints = (width > 0 for width in widths)
     means = [mean_width(width, places.length) for width in widths]
-    count = int(crack_numbers(there, close_pairs(tributary_ends(joint_table(wall)))).max(initial=0))
+    count = int(
+        crack_numbers(run_joints, close_pairs(tributary_ends(joint_table(wall)))).max(initial=0)
+    )
     return {
         "survey": drawn,
         "distance": distance(survey, opening_m, offset_m, wall),
-        "pattern": places.scores(here, there),
+        "pattern": places.scores(surveyed_joints, run_joints),
         "widths": {
             "cracks": [survey.count, count],
-            "joints_m": [float(places.length[flags].sum()) for flags in (here, there)],
+            "joints_m": [
+                float(places.length[flags].sum()) for flags in (surveyed_joints, run_joints)
+            ],
             "max_width_mm": [drawn["max_width_mm"], float(widths[1].max(initial=0.0) / MILLIMETRE)],
             "mean_width_mm": [float(mean / MILLIMETRE) for mean in means],
             "psi": [survey.psi, float(psi_value(count, means[1]))],
         },
         "positions": {
-            "of_survey": _near(places, here, there),
-            "of_run": _near(places, there, here),
+            "of_survey": _near(places, surveyed_joints, run_joints),
+            "of_run": _near(places, run_joints, surveyed_joints),
             "within_m": NEAR_M,
         },
     }
@@ -424,8 +427,8 @@ def describe_beside(comparison):
         f"seen from {survey['detection_limit_mm']:.3g} mm, +-{survey['width_error_mm']:.3g} mm",
         f"{'':16}{'survey':>10}{'run':>10}",
         *(
-            f"{name:16}{here:>10.3g}{there:>10.3g}"
-            for name, (here, there) in comparison["widths"].items()
+            f"{name:16}{in_survey:>10.3g}{in_run:>10.3g}"
+            for name, (in_survey, in_run) in comparison["widths"].items()
         ),
         f"pattern of visible cracks: {in_words(comparison['pattern'])}",
         (

@@ -155,9 +155,9 @@ def _catalogue(asked):
     )
 
 
-def _draws(words, **more):
+def _draws(help_, **more):
     """The option of how many lives are drawn."""
-    draws = arg("--draws", words, type=number_from(2, 10000, int), metavar="N", **more)
+    draws = arg("--draws", help_, type=number_from(2, 10000, int), metavar="N", **more)
     return group("lives", draws)
 
 
@@ -270,7 +270,7 @@ _BATCH_OPTIONS = group(
 def _life(asked):
     from damage.applications.groningen.life.results import NAME, life_study
     from damage.applications.studies.batch import run
-    from damage.applications.studies.folder import held
+    from damage.applications.studies.folder import while_locked
 
     address = _address_of(asked)
     draws = draws_of(address)
@@ -281,7 +281,7 @@ def _life(asked):
         "settle": _from_here(asked.settle),
         "distortion": asked.distortion,
     }
-    with held(asked.out, Path(NAME).stem) as lock:
+    with while_locked(asked.out, Path(NAME).stem) as lock:
         study = life_study(
             asked.out,
             asked.wall,
@@ -340,9 +340,9 @@ def _from_here(settle):
     ),
 )
 def _claim(asked):
-    from damage.applications.groningen.claim.dutch import said_in
+    from damage.applications.groningen.claim.dutch import translated_to
 
-    with said_in(asked.language):
+    with translated_to(asked.language):
         return _make_claim(asked)
 
 
@@ -350,10 +350,11 @@ def _make_claim(asked):
     from damage.applications.groningen.claim.make import Claim, make_claim
     from damage.applications.groningen.claim.sheet import set_aside
     from damage.applications.groningen.claim.twins import NAME
-    from damage.applications.studies.folder import held
+    from damage.applications.studies.folder import while_locked
 
     if asked.out.is_dir():
-        with held(asked.out.absolute(), Path(NAME).stem):  # not those of a claim that is being made
+        # a claim that is being made has the lock
+        with while_locked(asked.out.absolute(), Path(NAME).stem):
             set_aside(asked.out)
     if asked.levels and (asked.settle or asked.distortion):
         raise InputError(
@@ -432,7 +433,7 @@ def _lives(asked):
         write_lives,
     )
     from damage.applications.groningen.pictures import contributions_picture, life_picture
-    from damage.applications.report.report import Words, write_report
+    from damage.applications.report.report import Heading, write_report
 
     parts = lives_of(asked.results)
     folder = asked.out or asked.results / "figures"
@@ -462,7 +463,7 @@ def _lives(asked):
                 title,
             )
     paragraphs = text.replace("\n  ", "; ").replace("\n", "\n\n")
-    print(write_report([asked.results], None, Words("Lives of a wall", None, paragraphs)))
+    print(write_report([asked.results], None, Heading("Lives of a wall", None, paragraphs)))
 
 
 MODEL.append("applications/groningen/exposure")  # draws motions

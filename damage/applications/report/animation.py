@@ -186,10 +186,10 @@ def _stage(history, snapshots, above, below, magnify):
 def _pace(history, snapshots, magnify):
     """Words on the magnification, and on how much slower than the run the film is."""
     times = history.snapshot_time_s[snapshots]
-    words = f"displacements × {magnify:g}"
+    caption = f"displacements × {magnify:g}"
     if len(times) > 1:
-        words += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
-    return words
+        caption += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
+    return caption
 
 
 def _fix(figure):

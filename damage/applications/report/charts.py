@@ -118,7 +118,7 @@ def states_legend(runs=()):
     ones, the gravest last, "bodies": [{"fill", "edge"}] by kind, "elastic", "energies", "widths":
     [{"from_mm", "pixels"}], how wide a line is by the class of its crack's width, the widest of
     them no more than half of the lowest brick of the runs}."""
-    words = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
+    labels = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [
         {
             "code": JOINT_STATES.index(name),
@@ -126,7 +126,7 @@ def states_legend(runs=()):
             "colour": CRACK_COLOURS[name],
             "dash": CRACK_DASHES[name],
         }
-        for name, label in words.items()
+        for name, label in labels.items()
     ]
     widest_pt = min([_widest_pt(run["history"]) for run in runs], default=WIDEST_PT)
     uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])

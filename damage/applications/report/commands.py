@@ -127,11 +127,11 @@ def _export(asked):
     examples=("run.h5", 'results/quick --title "Quick study" --author "A. Name" --out report.html'),
 )
 def _report(asked):
-    from damage.applications.report.report import Words, write_report
+    from damage.applications.report.report import Heading, write_report
 
     print(
         write_report(
-            asked.paths, asked.out, Words(asked.title, asked.author, asked.text, asked.language)
+            asked.paths, asked.out, Heading(asked.title, asked.author, asked.text, asked.language)
         )
     )
 

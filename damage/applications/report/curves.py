@@ -51,9 +51,9 @@ COLUMNS = {
     ),
     **{
         f"new_record_{end}": Column(
-            "as `intensity_unit` says", f"{words} bound of a new record's own median"
+            "as `intensity_unit` says", f"{bound} bound of a new record's own median"
         )
-        for end, words in ENDS
+        for end, bound in ENDS
     },
 }
 COLUMNS["dispersion"] = Column(
@@ -181,12 +181,12 @@ def _text(value):
 
 def _description(wall, fits, name, kind):
     """What the curves are of, and what they leave out."""
-    one = fits[0]
+    first = fits[0]
     without = [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)]
     steps = [f"{fit.level:g}" for fit in fits if fit.step]
     lines = [
-        f"Wall {wall}: probability that {one.measure} exceeds a level, by {name}; {one.n_runs} runs"
-        f" in {one.n_records} records; masonry-damage."
+        f"Wall {wall}: probability that {first.measure} exceeds a level, by {name};"
+        f" {first.n_runs} runs in {first.n_records} records; masonry-damage."
     ]
     lines += [f"No curve for {', '.join(without)}."] if without else []
     if len(fits) > len(without) + 1 and len({fit.dispersion for fit in fitted(fits)}) == 1:

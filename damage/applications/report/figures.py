@@ -71,7 +71,7 @@ def figure_words(name):
     >>> figure_words("fig12_drift_symmetric"), figure_words("mine")
     ('Damage index against the largest drift (fig12_drift_symmetric)', 'Figure mine')
     """
-    caption = next((words for start, words in FIGURE_WORDS.items() if name.startswith(start)), None)
+    caption = next((text for start, text in FIGURE_WORDS.items() if name.startswith(start)), None)
     return f"{caption} ({name})" if caption else f"Figure {name}"
 
 

@@ -57,7 +57,7 @@ LETTERS = "ABCDEF"
 
 
 @dataclass(frozen=True)
-class Words:
+class Heading:
     """Texts of a report: title, None for wall and motion; author; text with blank lines between
     paragraphs; language of its summary."""
 
@@ -72,10 +72,10 @@ class Words:
         return [part.strip() for part in re.split(r"\n\s*\n", self.text or "") if part.strip()]
 
 
-def write_report(paths, out=None, words=Words()):
+def write_report(paths, out=None, heading=Heading()):
     """Write the report of histories and of folders of studies; returns its path.
 
-    words: title, author and text that the report begins with.
+    heading: title, author and text that the report begins with.
     paths: of histories, up to as many as LETTERS has, and of folders that hold the tables of
     studies; out: by default beside the first, NAME.html of a history, report.html in a folder.
     Raises InputError of a file that is no history or has no sample, of a folder without tables, and
@@ -94,12 +94,11 @@ def write_report(paths, out=None, words=Words()):
     files, folders = (
         [path for path in paths if path.is_dir() == of_study] for of_study in (False, True)
     )
-    return write_text(out, page(files, folders, words))
+    return write_text(out, page(files, folders, heading))
 
 
-def page(files, folders, words=Words()):
-    """The text of the report of histories (paths) and of folders of studies, with the Words of its
-    author."""
+def page(files, folders, heading=Heading()):
+    """The text of the report of histories (paths) and of folders of studies, below its Heading."""
     if len(files) > len(LETTERS):
         raise InputError(
             f"{len(files)} histories: expected up to {len(LETTERS)} side by side; name fewer, or"
@@ -107,7 +106,7 @@ def page(files, folders, words=Words()):
         )
     studies = [study for folder in folders for study in studies_below(folder)]
     histories = [read_history(path) for path in files]
-    runs = _runs(histories, words.language)
+    runs = _runs(histories, heading.language)
     houses = _houses(histories, runs)
     parts = [study_part(folder) for folder in studies]
     title = _title(houses, runs, parts)
@@ -116,17 +115,17 @@ def page(files, folders, words=Words()):
         .get_template("report.html")
         .render(
             runs=runs,
-            language=words.language,
-            words=partial(texts, words.language),
+            language=heading.language,
+            words=partial(texts, heading.language),
             houses=houses,
             studies=parts,
             # the part of a study has its own
             of_folders=[_beside(folder) for folder in folders if folder not in studies],
             first=_read_first(runs, parts),
-            title=words.title or title,
-            subject=title if words.title else "",
-            author=words.author,
-            paragraphs=words.paragraphs,
+            title=heading.title or title,
+            subject=title if heading.title else "",
+            author=heading.author,
+            paragraphs=heading.paragraphs,
             measures=measures(runs) if runs else [],
             energies=energy_balance(runs) if runs else [],
             parameters=parameters,
@@ -150,7 +149,7 @@ def _runs(histories, language):
     walls = [part for history in histories for part in history.parts]
     if len(walls) > len(LETTERS):  # of a large house no wall by itself
         walls = [history for history in histories if history.kind == "wall"]
-    return [run_part(*one, language) for one in zip(walls, LETTERS)]
+    return [run_part(*part, language) for part in zip(walls, LETTERS)]
 
 
 def _houses(histories, runs):

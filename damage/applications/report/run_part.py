@@ -139,7 +139,7 @@ def _key_numbers(history, summary):
         result = result_of(column)
         value = value_in(summary, column)
         if value is not None:
-            more = [result.of.format(**summary, whole="")]
+            more = [result.remark.format(**summary, whole="")]
             if column in members:
                 more.append(f"{members['count']} members: {members_in_words(members, column)}")
             number = result.factor * value

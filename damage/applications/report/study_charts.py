@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from damage.applications.report.charts import RUN_STYLES
-from damage.applications.studies.states import column_words, there
+from damage.applications.studies.states import column_words, intensities_of
 
 WIDE = 420
 """Width of a chart, in pixels of its own."""
@@ -35,7 +35,7 @@ def charts(points, alike, chosen=None):
     """Charts of PLOTTED over the intensity of points, the chosen one if they have it: labels, ticks
     (place, words), of each point its place and its range over the members, and lines through those
     that are alike but for the intensity; [] where points have none, as of pushed walls."""
-    known = there(points)
+    known = intensities_of(points)
     names = [name for name in (chosen, "pgv_m_s", *known) if name in known]
     if not names:
         return []

@@ -115,7 +115,7 @@ def study_part(folder):
         about = read_toml(folder / "study.toml", *STUDY_FILE)
     except InputError:
         about = {}
-    words, labels_of = labels(points)
+    titles, labels_of = labels(points)
     walls, unread = cracked_walls(folder, summary, points)
     kinds = {name: list(dict.fromkeys(values)) for name, values in labels_of.items()}
     return {
@@ -129,7 +129,7 @@ def study_part(folder):
             _point(row, content, summary)
             | {
                 "number": number,
-                "words": words[number],
+                "words": titles[number],
                 "of": [
                     str(kinds[name].index(values[number])) for name, values in labels_of.items()
                 ],
@@ -152,9 +152,9 @@ def study_part(folder):
 
 
 def labels(points):
-    """What points are called, (n,), without names of files; and {"wall", "solver", "motion", and
-    what else differs between points: its words of each point}."""
-    of = {
+    """Titles of points, (n,), without names of files; and {"wall", "solver", "motion", and what
+    else differs between points: its text of each point}."""
+    texts = {
         "wall": [wall_words(str(name)) for name in points["wall"]],
         "solver": list(map(str, points["solver"])),
         "motion": [_motion(row)[0] for _, row in points.iterrows()],
@@ -162,18 +162,18 @@ def labels(points):
     factors = [_motion(row)[1] for _, row in points.iterrows()]
     for name in each(PARAMETERS):
         if name in points and name not in _FOLLOWS and points[name].nunique(dropna=False) > 1:
-            of[name] = [_cell(value, name)[0] for value in points[name]]
-    more = [name for name in of if name not in ("wall", "solver", "motion")]
-    words = [
+            texts[name] = [_cell(value, name)[0] for value in points[name]]
+    more = [name for name in texts if name not in ("wall", "solver", "motion")]
+    titles = [
         ", ".join(
             [
-                f"{of['motion'][k]}{factors[k]}",
-                *(f"{column_words(name)} {of[name][k]}" for name in more),
+                f"{texts['motion'][k]}{factors[k]}",
+                *(f"{column_words(name)} {texts[name][k]}" for name in more),
             ]
         )
         for k in range(len(points))
     ]
-    return words, of
+    return titles, texts
 
 
 def _motion(row):
@@ -186,8 +186,8 @@ def _motion(row):
     if not pd.isna(amplitude) and amplitude is not None:
         return f"harmonic, {row['motion_period_s']:g} s{cycles}", f" of {amplitude:g} g"
     motion = row.get("motion")
-    words = motion.replace("_", " ") if isinstance(motion, str) else "several motions"
-    return f"{words}{cycles}", ""
+    text = motion.replace("_", " ") if isinstance(motion, str) else "several motions"
+    return f"{text}{cycles}", ""
 
 
 def cracked_walls(folder, summary, points):

@@ -53,7 +53,8 @@ def run(study, folder, jobs, keep="all", *, remake=False, part=None, lock=None):
     part : (int, int), optional
         K, N: the K-th of N parts alone, without tables of the whole study.
     lock : int, optional
-        Of the folder, where the caller holds it (`damage.applications.studies.folder.held`).
+        Of the folder, where the caller holds it
+        (`damage.applications.studies.folder.while_locked`).
 
     Returns
     -------
@@ -83,7 +84,10 @@ def run(study, folder, jobs, keep="all", *, remake=False, part=None, lock=None):
 
 def _say_changed(changed):
     """Say in a line which runs were not made as their inputs changed; changed: as of Pool."""
-    points = {task.point.id: f"{task.point.id} ({some_of(words, 3)})" for task, words in changed}
+    points = {
+        task.point.id: f"{task.point.id} ({some_of(differences, 3)})"
+        for task, differences in changed
+    }
     print(
         f"error: {len(changed)} runs were not made, as inputs changed since the study began:"
         f" {some_of(list(points.values()), 3)}; restore these and give the same command, or give"
@@ -152,7 +156,7 @@ class Batch:
                 return []
             file.write(line_of({"run": record["run"], "inputs": inputs[task.point][0]} | record))
             file.flush()
-            if not task.kept:
+            if not task.keeps_history:
                 task.part.unlink(missing_ok=True)
             point = self.points[task.point.id]
             point.records[task.number] = record

@@ -30,11 +30,11 @@ POINTS = {
         for name, column in each(table).items()
     },
     **{
-        f"{name}_{end}": column._replace(meaning=f"{words} of the runs of `{name}`")
+        f"{name}_{end}": column._replace(meaning=f"{bound} of the runs of `{name}`")
         for table in (PARAMETERS, *MEASURES.values())
         for name, column in each(table).items()
         if column.unit and name != OF_THE_FIRST
-        for end, words in (("min", "least"), ("max", "largest"))
+        for end, bound in (("min", "least"), ("max", "largest"))
     },
 }
 
@@ -72,16 +72,16 @@ FRAGILITY = {
     },
     **{
         f"median_both_{end}_{name}": Column(
-            unit, f"{words} bound of the median, strengths and records drawn anew"
+            unit, f"{bound} bound of the median, strengths and records drawn anew"
         )
-        for end, words in ENDS
+        for end, bound in ENDS
         for name, unit in UNITS.items()
     },
     **{
         f"dispersion_both_{end}": Column(
-            "1", f"{words} bound of the dispersion, strengths and records drawn anew"
+            "1", f"{bound} bound of the dispersion, strengths and records drawn anew"
         )
-        for end, words in ENDS
+        for end, bound in ENDS
     },
     "fitted_both": Column(
         "1",
@@ -90,9 +90,9 @@ FRAGILITY = {
     ),
     **{
         f"median_new_record_{end}_{name}": Column(
-            unit, f"{words} bound of a new record's own median"
+            unit, f"{bound} bound of a new record's own median"
         )
-        for end, words in ENDS
+        for end, bound in ENDS
         for name, unit in UNITS.items()
     },
     "confidence": Column("1", "of the bounds"),
@@ -104,12 +104,12 @@ AT = _STATE | {
     "unit": Column("", "of the intensity"),
     "probability": Column("1", "of exceeding the level, by the curve through all records"),
     **{
-        f"mean_{end}": Column("1", f"{words} bound of it, strengths and records drawn anew")
-        for end, words in ENDS
+        f"mean_{end}": Column("1", f"{bound} bound of it, strengths and records drawn anew")
+        for end, bound in ENDS
     },
     **{
-        f"new_record_{end}": Column("1", f"{words} of a new record's own probability")
-        for end, words in (
+        f"new_record_{end}": Column("1", f"{bound} of a new record's own probability")
+        for end, bound in (
             ("low", "lower bound"),
             ("median", "median"),
             ("high", "upper bound"),

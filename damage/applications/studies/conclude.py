@@ -4,7 +4,7 @@ import os
 import shutil
 import sys
 
-from damage.applications.cracks.kept import patterns_of, write_patterns
+from damage.applications.cracks.at_rest import patterns_of, write_patterns
 from damage.applications.studies.records import record_of
 from damage.errors import InputError
 from damage.history.reader import read_history
@@ -12,20 +12,20 @@ from damage.measure.tables import write_run_tables
 from damage.start import EXIT_FAILED, EXIT_OK
 
 
-def conclude(task, kept=None):
+def conclude(task, finished=None):
     """Give a history its name where it stays, and make of it what it leaves; returns (exit status,
     record or None).
 
-    kept: the HistoryInMemory, or HistoryKept, of a run that was done just now, else None.
+    finished: the HistoryInMemory, or HistoryKept, of a run that was done just now, else None.
     """
     try:
         path = task.history if task.history.is_file() else task.part
-        history = read_history(path) if kept is None else kept.history(path)
+        history = read_history(path) if finished is None else finished.history(path)
         if history.status != "complete":
             raise InputError(
                 f"the history is marked {history.status}; expected complete; run the study again"
             )
-        if task.kept and path == task.part:
+        if task.keeps_history and path == task.part:
             os.replace(path, task.history)
         seals = (
             {"patterns": write_patterns(patterns_of(history), task.pattern)}

@@ -477,12 +477,12 @@ def option_table(options, where="options"):
         name: tuple(value) if isinstance(value, list) else value for name, value in options.items()
     }
     for name, value in table.items():
-        for one in (
+        for item in (
             value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,)
         ):
-            if isinstance(one, bool) or not isinstance(one, (str, int, float)):
+            if isinstance(item, bool) or not isinstance(item, (str, int, float)):
                 raise InputError(
-                    f"{where}: {name} holds {one!r}; expected numbers and strings; correct it"
+                    f"{where}: {name} holds {item!r}; expected numbers and strings; correct it"
                 )
     return table
 

@@ -116,7 +116,7 @@ def command_of(file, folder, options=(), name="study"):
 
 
 @contextmanager
-def held(folder, name):
+def while_locked(folder, name):
     """As `locked` while this lasts, for more than one command of a study."""
     lock = locked(folder, name)
     try:

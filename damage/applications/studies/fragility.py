@@ -111,7 +111,7 @@ class Fragility:
     @property
     def state(self):
         """The damage state in words."""
-        return State(self.measure, self.level, self.name).words
+        return State(self.measure, self.level, self.name).title
 
     @cached_property
     def new_record(self):
@@ -322,8 +322,8 @@ def _likeliest(x, y, n, side):
     if best.x[1] == start:
         return Fit(np.nan, np.nan, "the likelihood does not depend on the dispersion", side)
     if np.abs(best.x[1] - ends).min() < 1e-6:
-        words = ": no rising curve fits" if best.x[1] > start else ""
-        return Fit(np.nan, np.nan, f"the dispersion is at its bound of {dispersion:g}{words}", side)
+        note = ": no rising curve fits" if best.x[1] > start else ""
+        return Fit(np.nan, np.nan, f"the dispersion is at its bound of {dispersion:g}{note}", side)
     if above := int(best.x[0] > x.max()) - int(best.x[0] < x.min()):
         where = "above" if above > 0 else "below"
         return Fit(
@@ -465,11 +465,11 @@ def load_runs(folder):
         ("strength_seed", "a number"),
         ("collapsed_at_s", "a time or nothing"),
     ):
-        words = runs[name].notna() & pd.to_numeric(runs[name], errors="coerce").isna()
+        is_text = runs[name].notna() & pd.to_numeric(runs[name], errors="coerce").isna()
         bad = (
             runs[name].isna()
             if name == "wall"
-            else words | runs[name].isna() & (name == "strength_seed")
+            else is_text | runs[name].isna() & (name == "strength_seed")
         )
         if bad.any():
             raise InputError(
@@ -539,20 +539,20 @@ def in_words(fits):
     mean curve and for a new record."""
     lines = []
     notes = []
-    for wall, ones in fits.items():
-        one = ones[0]
+    for wall, of_wall in fits.items():
+        first = of_wall[0]
         lines += [
             (
-                f"{wall} wall by {one.intensity} [{unit_of(one.intensity)[1]}], {one.n_runs} runs,"
-                f" {one.n_walls} draws of strengths, {one.n_records} records; intervals of"
-                f" {100 * CONFIDENCE:.0f} %"
+                f"{wall} wall by {first.intensity} [{unit_of(first.intensity)[1]}],"
+                f" {first.n_runs} runs, {first.n_walls} draws of strengths, {first.n_records}"
+                f" records; intervals of {100 * CONFIDENCE:.0f} %"
             ),
             (
                 f"{'damage state':28} {'exceed':>6} {'median':>16} {'dispersion':>10}"
                 f" {'mean curve':>16} {'a new record':>16}"
             ),
         ]
-        for fit in ones:
+        for fit in of_wall:
             median = (
                 _span(fit.step)
                 if fit.step
@@ -570,8 +570,8 @@ def in_words(fits):
                 f" {_span(mean):>16} {_span(new):>16}"
             )
             notes += fit.notes()
-        notes += filter(None, [few_note(one.n_records)])
-        notes += crossings(ones)
+        notes += filter(None, [few_note(first.n_records)])
+        notes += crossings(of_wall)
     return "\n".join(lines + notes)
 
 

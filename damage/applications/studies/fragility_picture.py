@@ -66,8 +66,8 @@ def fragility_picture(wall, runs, fits, intensity=None):
         for ax, measure in zip(axes.flat, measures)
     ]
     for number, (ax, measure) in enumerate(zip(axes.flat, measures)):
-        words = label(measure)
-        letter(ax, number, words.removesuffix(" [-]") if measure in LEVELS else words)
+        text = label(measure)
+        letter(ax, number, text.removesuffix(" [-]") if measure in LEVELS else text)
     axes[0, 0].set_ylabel("probability of exceeding")
     n_walls = runs["strength_seed"].nunique()
     records = runs["record"].dropna().unique()
@@ -79,8 +79,8 @@ def fragility_picture(wall, runs, fits, intensity=None):
         few_note(len(records)),
     )
     bands = [
-        Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {words}")
-        for kind, (alpha, words) in _BANDS.items()
+        Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {text}")
+        for kind, (alpha, text) in _BANDS.items()
         if any(kind in kinds for kinds in drawn)
     ]
     return finish(

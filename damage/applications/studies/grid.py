@@ -130,4 +130,4 @@ def _replaced(value, chosen, where):
             f"{', '.join(chosen)}; correct its spelling"
         )
     whole = _NAME.fullmatch(value)
-    return chosen[whole[1]] if whole else _NAME.sub(lambda found: str(chosen[found[1]]), value)
+    return chosen[whole[1]] if whole else _NAME.sub(lambda match: str(chosen[match[1]]), value)

@@ -163,9 +163,13 @@ def _of_other_versions(values, name):
             yield f"{place} {_word(value)}, which was removed"
 
 
-def _default(one):
+def _default(attribute):
     """The default of a field; MISSING, which equals no value, where it has none."""
-    return one.default_factory() if one.default_factory is not MISSING else one.default
+    return (
+        attribute.default_factory()
+        if attribute.default_factory is not MISSING
+        else attribute.default
+    )
 
 
 def _word(value):

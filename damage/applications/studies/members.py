@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 import pandas as pd
 
 from damage.applications.studies.definition import StudyRun, option_table, with_paths
-from damage.applications.studies.folder import held, last_words
+from damage.applications.studies.folder import last_words, while_locked
 from damage.applications.studies.pool import Pool
 from damage.applications.studies.spread import member_row, members_path
 from damage.applications.studies.tasks import Task
@@ -48,7 +48,7 @@ def run_members(wall_file, make_wall, settings, words):
     point = _point(wall_file, settings, words)
     with TemporaryDirectory(prefix="masonry-damage-") as folder:
         tasks = [
-            Task(Path(folder), point, number, kept=number == 1)
+            Task(Path(folder), point, number, keeps_history=number == 1)
             for number in range(1, point.members + 1)
         ]
         rows, pool = _made(tasks, wall.name)
@@ -96,12 +96,12 @@ def _made(tasks, name):
 
     def follow(task, record):
         rows[task.number] = record["row"]
-        if not task.kept:
+        if not task.keeps_history:
             task.part.unlink(missing_ok=True)
         print(f"{name}: {len(rows)} of {len(tasks)} members ended", flush=True)
         return ()
 
-    with held(folder, "members") as lock:
+    with while_locked(folder, "members") as lock:
         jobs = min(os.cpu_count(), math.ceil(len(tasks) / BACKEND.most))
         pool = Pool(jobs, partial(work, inputs={}), lock, folder, say=partial(print, flush=True))
         pool.run(tasks, follow)

@@ -13,7 +13,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from damage.applications.cracks.kept import ENDING, FOLDER
+from damage.applications.cracks.at_rest import ENDING, FOLDER
 from damage.applications.studies.folder import ROOT
 from damage.applications.studies.inputs import as_json, differences, inputs_of
 from damage.applications.studies.records import (
@@ -189,7 +189,7 @@ class Results:
         """Whether all that a run leaves is there, its record included."""
         if (
             task.name not in self.records.runs
-            or (task.kept and task.name not in self.histories)
+            or (task.keeps_history and task.name not in self.histories)
             or (
                 task.patterns
                 and not (task.pattern.is_file() and "patterns" in self.records.runs[task.name])
@@ -212,8 +212,8 @@ def _warnings(verdict, remake):
             f"{len(verdict.changed)} points were made from other inputs and are made again: "
             + some_of(
                 [
-                    f"{run.id} ({', '.join(words[:_DIFFERENCES])})"
-                    for run, words in verdict.changed.items()
+                    f"{run.id} ({', '.join(differences[:_DIFFERENCES])})"
+                    for run, differences in verdict.changed.items()
                 ],
                 _DIFFERENCES,
             )

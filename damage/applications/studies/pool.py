@@ -134,7 +134,7 @@ class Pool:
                 self._do(follow)
             finally:
                 # after an error of this process
-                for worker in filter(lambda one: one.tasks, self._workers):
+                for worker in filter(lambda worker: worker.tasks, self._workers):
                     worker.end_politely()
                 for worker in self._workers:
                     worker.close()

@@ -143,20 +143,20 @@ def _options():
 def _option(action):
     if action.nargs == 0:
         return {"type": "boolean"}
-    one = _word(action)
+    item = _word(action)
     if isinstance(action, Rows):  # one row of numbers, or a list of rows
-        row = {"type": "array", "items": one}
-        return {"type": "array", "items": {"anyOf": [one, row]}, "minItems": 1}
+        row = {"type": "array", "items": item}
+        return {"type": "array", "items": {"anyOf": [item, row]}, "minItems": 1}
     if isinstance(action.nargs, int):
         return {
             "type": "array",
-            "items": _varied(one),
+            "items": _varied(item),
             "minItems": action.nargs,
             "maxItems": action.nargs,
         }
     if action.type is file_path:  # a list: the first of them that is there
-        return {"type": ["string", "array"], "items": one, "minItems": 1}
-    return one
+        return {"type": ["string", "array"], "items": item, "minItems": 1}
+    return item
 
 
 def _word(action):

@@ -48,10 +48,10 @@ class State(NamedTuple):
     name: str = ""
 
     @property
-    def words(self):
+    def title(self):
         """Its name, or the condition.
 
-        >>> State("max_psi", 2.0).words
+        >>> State("max_psi", 2.0).title
         'max_psi > 2'
         """
         return self.name or f"{self.measure} > {self.level:g}"
@@ -116,14 +116,14 @@ def check_states(runs, states, table="summary.csv"):
     """Raise InputError for a State whose column runs (rows of a table) lack, or have no numbers in,
     and for two of one name."""
     for state in states:
-        where = f"damage state {state.words!r}"
+        where = f"damage state {state.title!r}"
         missing = _numbers(runs, state.measure, where, table).isna() & runs["collapsed_at_s"].isna()
         if missing.any():
             raise InputError(
                 f"{where}: {missing.sum()} of {len(runs)} runs have no {state.measure}; expected a"
                 " number in each run that did not collapse; choose another column"
             )
-    names = [state.words for state in states]
+    names = [state.title for state in states]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(
             f"damage state {twice!r}: given twice; expected names that differ; name one otherwise"
@@ -140,7 +140,7 @@ def check_intensity(runs, name):
             raise InputError(
                 f"{where}: {bad.sum()} of {len(runs)} runs have {what} there; expected a number"
                 " above zero in every run; choose another, as"
-                f" {' or '.join(there(runs) or INTENSITIES)}"
+                f" {' or '.join(intensities_of(runs) or INTENSITIES)}"
             )
 
 
@@ -165,7 +165,7 @@ def _numbers(runs, name, where, table="summary.csv"):
     return runs[name].astype(float)
 
 
-def there(runs):
+def intensities_of(runs):
     """Names of the INTENSITIES that every one of the runs has."""
     return [
         name
@@ -177,7 +177,7 @@ def there(runs):
 def leading(runs):
     """The intensity that curves are fitted against by default: the first of INTENSITIES that every
     run has."""
-    column = there(runs)
+    column = intensities_of(runs)
     if not column:
         raise InputError(
             f"no intensity in every run; expected {' or '.join(INTENSITIES)} in the tables of a"
@@ -212,9 +212,9 @@ def in_picture(column):
     (('maximum drift ratio', '-'), ('initial stiffness', 'N/m'))
     """
     unit = unit_of(column)[1]
-    words = re.sub(f"_{unit.lower().replace('/', '_(per_)?')}$", "", column).replace("_", " ")
-    words = re.sub(r"^max ", "maximum ", words).replace("psi", r"$\Psi$")
-    return words, "-" if unit == "1" else unit
+    text = re.sub(f"_{unit.lower().replace('/', '_(per_)?')}$", "", column).replace("_", " ")
+    text = re.sub(r"^max ", "maximum ", text).replace("psi", r"$\Psi$")
+    return text, "-" if unit == "1" else unit
 
 
 def label(column):

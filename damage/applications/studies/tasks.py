@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from damage.applications.cracks import kept
+from damage.applications.cracks import at_rest
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.folder import ROOT
 from damage.run.checkpoint import checkpoint_path
@@ -25,9 +25,9 @@ patterns at rest."""
 
 @dataclass(frozen=True)
 class Task:
-    """The run with this number of a point, or its pictures; kept: whether its history stays;
-    patterns: whether those at rest do (`damage.applications.cracks.kept`); tables: whether it has
-    tables of its own; alone: whether its process does nothing else meanwhile.
+    """The run with this number of a point, or its pictures; keeps_history: whether its history
+    stays; patterns: whether those at rest do (`damage.applications.cracks.at_rest`); tables:
+    whether it has tables of its own; alone: whether its process does nothing else meanwhile.
 
     Paths: history: where it is in the end; part: where it grows, as a file with the name of a
     history is a whole one; pattern: of its patterns at rest; pictures: their folder; log: what a
@@ -37,7 +37,7 @@ class Task:
     folder: Path
     point: StudyRun
     number: int
-    kept: bool
+    keeps_history: bool
     patterns: bool = False
     tables: bool = False
     kind: str = RUN
@@ -57,7 +57,7 @@ class Task:
 
     @property
     def pattern(self):
-        return self.folder / kept.FOLDER / f"{self.name}{kept.ENDING}"
+        return self.folder / at_rest.FOLDER / f"{self.name}{at_rest.ENDING}"
 
     @property
     def pictures(self):
@@ -152,7 +152,7 @@ class Point:
             folder=self._folder,
             point=self.run,
             number=number,
-            kept=self._keep == "all" or number == 1,
+            keeps_history=self._keep == "all" or number == 1,
             patterns=self._keep == "patterns",
             tables=self._keep == "all" and number == 1,
         )

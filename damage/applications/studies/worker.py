@@ -124,11 +124,11 @@ class Group:
         """Whether a task is to be simulated; sends what becomes of it otherwise."""
         if task.history.is_file():
             self._connection.send((task, *conclude(task)))
-        elif task.stands and (found := changes(task, self._inputs)):
-            self._connection.send((task, CHANGED, found))
+        elif task.stands and (differences := changes(task, self._inputs)):
+            self._connection.send((task, CHANGED, differences))
         else:
             self._tasks[task.name] = task
-            kind = HistoryKept if task.kept else HistoryInMemory
+            kind = HistoryKept if task.keeps_history else HistoryInMemory
             self.histories[task.name] = Begun(task, self._inputs, kind)
             return True
         return False

@@ -15,8 +15,8 @@ from conftest import REPOSITORY, one_line_error, wall_file, written
 
 import damage
 from damage.__main__ import main
+from damage.applications.cracks.at_rest import SETTLED, patterns_of, read_patterns
 from damage.applications.cracks.crack_file import CrackPattern
-from damage.applications.cracks.kept import SETTLED, patterns_of, read_patterns
 from damage.applications.cracks.survey import (
     Survey,
     distance,
@@ -164,7 +164,7 @@ class TestTwins:
             )
         )
         twin = kept(claimed, BOTH, 2)
-        whole = [one.at(SETTLED, 1000) for one in (settled, twin)]
+        whole = [one.of_moment(SETTLED, 1000) for one in (settled, twin)]
         assert np.array_equal(*whole) and whole[0].any()
 
     @pytest.mark.parametrize("wall", ["terrace_end", "solid"])
@@ -579,7 +579,7 @@ class TestOneFolder:
     ):
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         before = {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}
-        with folder.held(claimed, "claim"):
+        with folder.while_locked(claimed, "claim"):
             assert main(words(claimed.parent, "--seed", "7", "--settle", "hogging", draws=4)) == 2
         assert "another batch is at work" in capsys.readouterr().err
         assert before == {path: path.read_bytes() for path in claimed.rglob("*") if path.is_file()}

@@ -161,7 +161,7 @@ class TestCatalogue:
         assert (catalogue.place[largest], catalogue.magnitude[largest]) == ("Huizinge", 3.6)
 
     def test_fdsn_text_is_read_as_the_same_events(self, catalogue, tmp_path):
-        some = catalogue.at(slice(100, 110))
+        some = catalogue.select(slice(100, 110))
         latitude, longitude = places.to_wgs84(some.x_m.astype(float), some.y_m.astype(float))
         path = tmp_path / "events.txt"
         path.write_text(
@@ -304,7 +304,7 @@ class TestCatalogue:
         )
         for name in ("time", "magnitude", "x_m", "y_m", "place", "id"):
             assert getattr(found, name)[:-1].tolist() == getattr(catalogue, name).tolist(), name
-        exposure = Exposure(places.at(*GARSTHUIZEN), found, model_named("bommer-2022"))
+        exposure = Exposure(places.at_degrees(*GARSTHUIZEN), found, model_named("bommer-2022"))
         assert exposure.as_dict()["catalogue_ends"] == "2022-10-08"
         assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in error_of(
             "catalogue", later, "--catalogue", joined, "--out", tmp_path / "c.csv"
@@ -322,7 +322,7 @@ class TestExposure:
     )
     def test_three_addresses(self, catalogue, place, median, rare, over):
         """Figures of a separate program with the same data."""
-        exposure = Exposure(places.at(*place), catalogue, Model())
+        exposure = Exposure(places.at_degrees(*place), catalogue, Model())
         found = exposure.as_dict()
         assert f"{found['largest_median_mm_s']:.4g}" == median
         assert f"{found['one_percent_mm_s']:#.3g}" == rare
@@ -331,7 +331,7 @@ class TestExposure:
     def test_probability_of_any_event_against_draws(self, catalogue):
         """2 000 draws; tolerance: four standard errors."""
         n = 2_000
-        exposure = Exposure(places.at(*DELFZIJL), catalogue.between(2006, 2012), Model())
+        exposure = Exposure(places.at_degrees(*DELFZIJL), catalogue.between(2006, 2012), Model())
         median = exposure.median_mm_s[:, np.newaxis]
         random = Draws(2)
         largest = [

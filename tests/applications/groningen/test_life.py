@@ -50,7 +50,9 @@ FEW = "above_mm_s = 12\nstrong = [0.2, 0.3]\nwithin_km = 3.5\n"
 
 @pytest.fixture(scope="module")
 def exposure():
-    return Exposure(places.at(53.36786, 6.71359), read_catalogue().between(2012, 2014), Model())
+    return Exposure(
+        places.at_degrees(53.36786, 6.71359), read_catalogue().between(2012, 2014), Model()
+    )
 
 
 def draws(exposure, **choices):

@@ -25,7 +25,7 @@ pytest.importorskip("jinja2")
 
 from damage.applications.report import study_part
 from damage.applications.report.plain import plain
-from damage.applications.report.report import Words, page
+from damage.applications.report.report import Heading, page
 from damage.applications.report.study_charts import BELOW, LEFT, TALL, axes, charts
 from damage.applications.report.study_part import labels
 from damage.applications.report.tables import OTHER_CRITERIA
@@ -157,7 +157,7 @@ class TestInShort:
 
     def test_it_is_in_the_page(self, one, page_of_one):
         assert "In short" in page_of_one.text
-        assert "In het kort" in Page(page([one.path], [], Words(language="nl"))).text
+        assert "In het kort" in Page(page([one.path], [], Heading(language="nl"))).text
 
 
 class TestOneRun:

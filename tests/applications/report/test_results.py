@@ -28,7 +28,9 @@ def lines(text):
 
 
 def test_every_number_has_its_unit_or_what_it_is_of():
-    assert all(result.unit or result.of for result in RESULTS.values() if result.label[:3] != "Psi")
+    assert all(
+        result.unit or result.remark for result in RESULTS.values() if result.label[:3] != "Psi"
+    )
 
 
 def test_the_drift_component_is_of_the_drift_limit_and_the_drift_ratio_of_the_height(

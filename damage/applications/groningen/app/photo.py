@@ -54,13 +54,12 @@ def _as_jpeg(picture):
     return file.getvalue()
 
 
-def homography(here, there):
-    """The (3, 3) matrix that maps four points here (4, 2) onto four points there (4, 2) of two
-    planes.
+def homography(source, target):
+    """The (3, 3) matrix that maps four points (4, 2) of a plane onto four points (4, 2) of another.
 
     Raises InputError where three of either lie on a line, or they make no convex quadrilateral.
     """
-    for points in (here, there):
+    for points in (source, target):
         signed = turns(points)
         if not (np.all(signed > 0) or np.all(signed < 0)):
             raise InputError(
@@ -68,17 +67,17 @@ def homography(here, there):
                 " other; mark them again"
             )
     rows = []
-    for (x, y), (u, v) in zip(here, there):
+    for (x, y), (u, v) in zip(source, target):
         rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
-    return np.append(np.linalg.solve(np.array(rows, float), np.ravel(there)), 1.0).reshape(3, 3)
+    return np.append(np.linalg.solve(np.array(rows, float), np.ravel(target)), 1.0).reshape(3, 3)
 
 
 def turns(points):
     """Twice the signed area at each corner of a quadrilateral (4, 2)."""
     points = np.asarray(points, float)
-    one = np.roll(points, -1, axis=0) - points
-    two = np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0)
-    return one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    edge = np.roll(points, -1, axis=0) - points
+    following = np.roll(points, -2, axis=0) - np.roll(points, -1, axis=0)
+    return edge[:, 0] * following[:, 1] - edge[:, 1] * following[:, 0]
 
 
 def rectified(jpeg, pixels, places, length, height):

@@ -137,11 +137,11 @@ def quantiles(values, weight, shares=RANGE):
 
 
 def verdict(tables):
-    """{of BUT_FOR: `said`} of {prior: `table`}."""
-    return {name: said([table[name] for table in tables.values()]) for name in BUT_FOR}
+    """{of BUT_FOR: `judgement`} of {prior: `table`}."""
+    return {name: judgement([table[name] for table in tables.values()]) for name in BUT_FOR}
 
 
-def said(shares):
+def judgement(shares):
     """What a `share` by each prior says, "yes", "no" or "open": an answer where all of them have
     LEAST_DRAWS and agree by their whole intervals."""
     if any(row["draws"] < LEAST_DRAWS for row in shares):
@@ -200,7 +200,7 @@ def _of_crack(width_m, case, likeness, answered):
         ranges.append(quantiles(width[stands] / MILLIMETRE, worlds.weight[stands]))
     middle = ranges[len(ranges) // 2]
     return {
-        "said": said(shares.values()) if answered else "open",
+        "said": judgement(shares.values()) if answered else "open",
         "shares": shares,
         "width_mm": middle
         and [

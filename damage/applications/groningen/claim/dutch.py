@@ -1,5 +1,5 @@
-"""What a claim says beside its sheet, in Dutch: sentences of English are looked up in
-`dutch.toml`."""
+"""Translate what a claim prints beside its sheet: `dutch.toml` has the Dutch of English sentences
+with names in braces, and of terms."""
 
 import re
 import sys
@@ -11,21 +11,21 @@ from pathlib import Path
 from damage.errors import InputError
 
 
-def _most_words(sentence):
-    return -len(re.sub(r"\{\w+\}", "", sentence[0]))
-
-
 @cache
 def _table():
-    """({term: term in Dutch}, [(pattern of a sentence, sentence in Dutch)]), the patterns of most
-    words first: others hold a part of a sentence for a name."""
+    """({term: term in Dutch}, [(pattern of a sentence, sentence in Dutch)]), the sentences with the
+    longest text between their names first: shorter ones would take a part of it for a name."""
     file = Path(__file__).with_name("dutch.toml")
     table = tomllib.loads(file.read_text(encoding="utf-8"))
-    sentences = [
-        (re.compile(re.sub(r"\\{(\w+)\\}", r"(?P<\1>.+?)", re.escape(english)), re.DOTALL), dutch)
-        for english, dutch in sorted(table["sentences"].items(), key=_most_words)
-    ]
-    return table["terms"], sentences
+    sentences = sorted(
+        table["sentences"].items(), key=lambda pair: -len(re.sub(r"\{\w+\}", "", pair[0]))
+    )
+    return table["terms"], [(_pattern(english), dutch) for english, dutch in sentences]
+
+
+def _pattern(sentence):
+    """The expression of an English sentence, a group for each of its names."""
+    return re.compile(re.sub(r"\\{(\w+)\\}", r"(?P<\1>.+?)", re.escape(sentence)), re.DOTALL)
 
 
 def in_language(language, text):
@@ -41,12 +41,9 @@ def in_language(language, text):
         return terms[text]
     for pattern, dutch in sentences:
         if match := pattern.fullmatch(text):
-            return dutch.format(
-                **{
-                    name: _decimal(in_language(language, part))
-                    for name, part in match.groupdict().items()
-                }
-            )
+            names = match.groupdict()
+            translated = {name: in_language(language, part) for name, part in names.items()}
+            return dutch.format(**{name: _decimal(part) for name, part in translated.items()})
     return text
 
 
@@ -60,16 +57,16 @@ def _decimal(text):
     return re.sub(r"(?<![\w./-])(-?\d+)\.(\d+)(?![\w/]|\.\w)", r"\1,\2", listed)
 
 
-class _Said:
-    """A stream that has its lines in a language."""
+class _Translated:
+    """A stream that translates the lines written to it."""
 
     def __init__(self, stream, language):
         self._stream = stream
         self._language = language
-        self._begun = ""
+        self._unfinished = ""
 
     def write(self, text):
-        *lines, self._begun = (self._begun + text).split("\n")
+        *lines, self._unfinished = (self._unfinished + text).split("\n")
         for line in lines:
             self._stream.write(f"{in_language(self._language, line)}\n")
         return len(text)
@@ -79,12 +76,12 @@ class _Said:
 
 
 @contextmanager
-def said_in(language):
-    """While this lasts, what is printed and raised as InputError is in a language."""
+def translated_to(language):
+    """While this lasts, translate what is printed, and what is raised as InputError."""
     with ExitStack() as stack:
         if language != "en":
-            stack.enter_context(redirect_stdout(_Said(sys.stdout, language)))
-            stack.enter_context(redirect_stderr(_Said(sys.stderr, language)))
+            stack.enter_context(redirect_stdout(_Translated(sys.stdout, language)))
+            stack.enter_context(redirect_stderr(_Translated(sys.stderr, language)))
         try:
             yield
         except InputError as error:

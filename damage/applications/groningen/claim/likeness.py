@@ -39,7 +39,7 @@ def pairwise(seen, error_m, known_m):
     from itself."""
     matrix = np.empty((len(seen.area), len(seen.area)))
     for k, row in enumerate(matrix):
-        row[:] = distances(seen.at([k]), seen, error_m, known_m)
+        row[:] = distances(seen.patterns([k]), seen, error_m, known_m)
         row[k] = np.inf
     return matrix
 

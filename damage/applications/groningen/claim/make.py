@@ -23,7 +23,7 @@ from damage.applications.groningen.claim.twins import (
     twins_study,
 )
 from damage.applications.groningen.exposure.lives import draws_of
-from damage.applications.studies.folder import held
+from damage.applications.studies.folder import while_locked
 from damage.arguments import fraction
 from damage.errors import InputError, some_of, warn
 from damage.files import json_text, write_text
@@ -84,7 +84,7 @@ def make_claim(claim, out, jobs, remake=False):
         *no_answer_foreseen(survey, steps[-1]),
     )
     print(on_joints(survey.as_dict()), outside_at_rest(layout, claim.language), sep="\n")
-    with held(out, Path(NAME).stem) as lock:
+    with while_locked(out, Path(NAME).stem) as lock:
         state_runs(twins_study(out, claim.wall, causes, steps[0]), steps)
         for draws in steps:
             study = twins_study(out, claim.wall, causes, draws)

@@ -63,7 +63,7 @@ def likeness_of(twins, survey, wall):
     away = np.array([distances(mine, life, survey.width_error_m, known) for life in seen])
     shown = claimed(twins, seen)
     pairs = pairwise(
-        Seen(*map(np.concatenate, zip(*seen))).at(shown.ravel()), survey.width_error_m, known
+        Seen(*map(np.concatenate, zip(*seen))).patterns(shown.ravel()), survey.width_error_m, known
     )
     strange = strange_share(away[shown], pairs)
     return Likeness(np.where(shown, away, np.inf), kernel(away, shown), strange)
@@ -151,11 +151,12 @@ def largest_share(draws):
 
 
 def shaking(exposure, twins):
-    """What shook the house: the events of the largest median PGV, and the end of the list."""
+    """`Exposure.as_dict` with the SHOWN_EVENTS events of the largest median PGV alone, what each
+    adds to Psi (`mean_gains`), and the number of all events."""
     numbers = exposure.as_dict()
-    gain = mean_gains(twins.events[SHAKEN])
+    gains = mean_gains(twins.events[SHAKEN])
     events = [
-        event | {"mean_psi_added": gain.get(event["id"], 0.0)}
+        event | {"mean_psi_added": gains.get(event["id"], 0.0)}
         for event in strongest(numbers, SHOWN_EVENTS)
     ]
     return numbers | {"n_events": len(numbers["events"]), "events": events}

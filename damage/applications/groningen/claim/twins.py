@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from damage.applications.cracks.kept import ENDING, FOLDER, SETTLED, START, read_patterns
+from damage.applications.cracks.at_rest import ENDING, FOLDER, SETTLED, START, read_patterns
 from damage.applications.groningen.exposure.lives import read_address
 from damage.applications.groningen.life.results import life_of, study_of_lives
 from damage.applications.studies.definition import load_study
@@ -34,7 +34,7 @@ STATES = {
     "earthquakes": (SHAKEN, None),
     "both": (BOTH, None),
 }
-"""{what acted: (point, moment of `damage.applications.cracks.kept`, None for the last)}."""
+"""{what acted: (point, moment of `damage.applications.cracks.at_rest`, None for the last)}."""
 DRAWN = ("hogging", "sagging", "knick"), (1 / 6000, 1 / 450)
 """Profiles and distortions that the settlement is drawn from where nothing is known of it."""
 
@@ -140,7 +140,9 @@ def twins_of(study, draws, folder, layout):
         for point, runs in done.items()
     }
     whole = {
-        name: np.array([pattern.at(moment, layout.n_joints) for pattern in patterns[point]], "f4")
+        name: np.array(
+            [pattern.of_moment(moment, layout.n_joints) for pattern in patterns[point]], "f4"
+        )
         for name, (point, moment) in STATES.items()
     }
     rows = {point: [done[point][number][0]["row"] for number in numbers] for point in done}

@@ -128,9 +128,9 @@ class Catalogue:
                 f"--from {first} --to {last}: {self.source} has no event in these years; expected a"
                 " first year before the last, and a longer time"
             )
-        return self.at(chosen)
+        return self.select(chosen)
 
-    def at(self, which):
+    def select(self, which):
         """The events at an index, a slice or flags."""
         return Catalogue(
             *(getattr(self, name)[which] for name in _COLUMNS), self.source, self.notes
@@ -172,7 +172,7 @@ def with_later(path, base=SHIPPED):
             f" {known.end:%Y-%m-%d}; expected later ones; ask the service for events from that"
             " day on"
         )
-    new = newer.at(later)
+    new = newer.select(later)
     joined = Catalogue(
         *(np.concatenate([getattr(known, name), getattr(new, name)]) for name in _COLUMNS),
         str(base),
@@ -270,7 +270,7 @@ def _catalogue(path, table, times, leave_out=False):
         f" {bounds[0][1]:g} and {pair[1]} from {bounds[1][0]:g} to {bounds[1][1]:g}; correct it",
     )
     x_m, y_m = epicentres if pair == _GRID else to_rd(*epicentres)
-    time = pd.Series([_time(table, row, words) for row, words in enumerate(times)], dtype=object)
+    time = pd.Series([_time(table, row, cell) for row, cell in enumerate(times)], dtype=object)
     renamed = rows.rename(columns={"knmi_id": "id", "depth_km": "depth"})
     renamed = renamed.assign(
         x_m=x_m,
@@ -306,13 +306,13 @@ def _of_the_field(table):
     field_km = np.array(list(map(from_field_km, table["x_m"], table["y_m"])))
     inside = np.ones(len(table), bool)
     notes = []
-    for out, words in (
+    for out, reason in (
         (no_quake, "no earthquake by its type"),
         (depth > DEEPEST_KM, f"deeper than {DEEPEST_KM:g} km, as tectonic earthquakes are"),
         (field_km > BESIDE_KM, f"more than {BESIDE_KM:g} km from the epicentres of the field"),
     ):
         if (out & inside).any():
-            notes.append(f"left out as {words}: {_lines(table['line'][out & inside])}")
+            notes.append(f"left out as {reason}: {_lines(table['line'][out & inside])}")
         inside &= ~out
     deep = inside & (depth > SHALLOW_KM)
     if deep.any():
@@ -353,7 +353,7 @@ def _one_by_one(events):
                 break
         else:
             events_left.append(event)
-    return [event.Index for event in sorted(events_left, key=lambda one: one.time)], pairs
+    return [event.Index for event in sorted(events_left, key=lambda event: event.time)], pairs
 
 
 @lru_cache(maxsize=1)
@@ -372,12 +372,12 @@ def _lines(numbers):
     return f"line{'s' * (len(numbers) > 1)} {some_of(list(map(str, sorted(numbers))))}"
 
 
-def _time(table, row, words):
+def _time(table, row, cell):
     """The time of a row, UTC."""
     try:
-        time = datetime.fromisoformat(words.strip())
+        time = datetime.fromisoformat(cell.strip())
     except ValueError:
         raise table.error(
-            row, f"time {words!r}; expected such as 2018-01-08T14:00:52; correct it"
+            row, f"time {cell!r}; expected such as 2018-01-08T14:00:52; correct it"
         ) from None
     return time.astimezone(UTC) if time.tzinfo else time.replace(tzinfo=UTC)

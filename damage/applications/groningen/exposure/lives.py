@@ -26,7 +26,7 @@ from damage import draws
 from damage.applications.groningen.exposure.catalogue import SHIPPED, read_catalogue
 from damage.applications.groningen.exposure.exposure import Exposure
 from damage.applications.groningen.exposure.ground_motion import COMPONENTS, model_named
-from damage.applications.groningen.exposure.places import at, at_rd
+from damage.applications.groningen.exposure.places import at_degrees, at_rd
 from damage.checks import check_choice, check_range
 from damage.elementary import exp, log
 from damage.errors import InputError, did_you_mean
@@ -165,7 +165,7 @@ class Draws:
             [
                 components.to_csv(index=False),
                 *records,
-                *(str(one) for part in parts for one in part),
+                *(str(value) for part in parts for value in part),
             ]
         )
         return hashlib.sha256(text.encode()).hexdigest()
@@ -401,7 +401,7 @@ def _exposure(table, folder):
         beside = folder / str(table["catalogue"])
         catalogue = beside if is_there(beside) else str(table["catalogue"])
     return Exposure(
-        at(first, second) if places[0][0] == "latitude" else at_rd(first, second),
+        at_degrees(first, second) if places[0][0] == "latitude" else at_rd(first, second),
         read_catalogue(catalogue).between(table.get("first_year"), table.get("last_year")),
         model_named(str(table.get("model", "bommer-2022")), table.get("component")),
         table.get("vs30_m_s", 200.0),

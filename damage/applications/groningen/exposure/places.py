@@ -24,8 +24,8 @@ TOWNS = DATA / "groningen" / "towns.csv"
 """Latitude and longitude of towns in and around the field, to about 1 km, for maps [degrees,
 WGS84]."""
 _TERMS = {
-    name: list(of[["i", "j", "factor"]].itertuples(index=False, name=None))
-    for name, of in pd.read_csv(
+    name: list(terms[["i", "j", "factor"]].itertuples(index=False, name=None))
+    for name, terms in pd.read_csv(
         DATA / "groningen" / "rd_wgs84.csv", float_precision="round_trip"
     ).groupby("of")
 }
@@ -37,8 +37,8 @@ _ORIGIN_DEG = (52.15517440, 5.38720621)
 
 @dataclass(frozen=True)
 class Place:
-    """A place: x_m, y_m in RD [m], latitude, longitude in WGS84 [degrees].  Made by `at` or
-    `at_rd`."""
+    """A place: x_m, y_m in RD [m], latitude, longitude in WGS84 [degrees].  Made by
+    `at_degrees` or `at_rd`."""
 
     x_m: float
     y_m: float
@@ -46,7 +46,7 @@ class Place:
     longitude: float
 
 
-def at(latitude, longitude):
+def at_degrees(latitude, longitude):
     """The Place of a latitude and a longitude [degrees, WGS84].  Raises InputError outside the
     Netherlands."""
     bounds = NETHERLANDS_DEG

@@ -40,7 +40,7 @@ class Patterns(NamedTuple):
     offset_m: np.ndarray
     displacement: np.ndarray
 
-    def at(self, moment, n_joints):
+    def of_moment(self, moment, n_joints):
         """Opening and offset (n_joints,) [m] of all contact points at a moment; the last one where
         it is None."""
         row = (
