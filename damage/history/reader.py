@@ -71,8 +71,10 @@ class History:
     (6.98, 27)
     >>> history.is_intact, history.active.joints.tolist(), history.states.joints.tolist()
     (False, [0, 1, 5], [0, 1, 5])
-    >>> history.is_house, [wall.wall for wall in houses.parts]
-    (False, ['front', 'side'])
+    >>> history.kind, houses.kind, [wall.wall for wall in houses.parts]
+    ('wall', 'house', ['front', 'side'])
+    >>> float(houses.largest_index.max())  # of any of its walls
+    0.0
     >>> houses.of_wall("front").of_face("outside").path.name
     'house:front:outside.h5'
     """
