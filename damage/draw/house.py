@@ -7,6 +7,7 @@ too.
 
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -58,14 +59,24 @@ def moment_of(history, sample):
     return sample, damage, nearest_snapshot(history, history.time_s[sample])
 
 
+class Cracks(NamedTuple):
+    """Cracks to be drawn: ends (n, 2, 3) [m], codes of JOINT_STATES (n,), widths (n,) [m], and the
+    bodies beside each (n, 2), -1 the ground."""
+
+    ends: np.ndarray
+    codes: np.ndarray
+    width: np.ndarray
+    bodies: np.ndarray
+
+
 def cracks(space, sample, snapshot, magnify, joints):
-    """Ends (n, 2, 3) [m], codes of JOINT_STATES (n,), widths (n,) [m] and bodies, -1 the ground
-    (n, 2), of failed contact points of an InSpace among these (n_joints,) bool; their indices."""
+    """Cracks of the failed contact points of an InSpace among these (n_joints,) bool, and their
+    indices."""
     codes = joint_states(space.history, sample)
     chosen = np.flatnonzero(joints & (codes > JOINT_STATES.index("intact")))
     ends = space.ends(snapshot, magnify, chosen)
     width = widths(space.history, sample)[chosen]
-    return (ends, codes[chosen], width, space.joint_bodies[chosen]), chosen
+    return Cracks(ends, codes[chosen], width, space.joint_bodies[chosen]), chosen
 
 
 def corner_cracks(space, number, sample, snapshot, magnify):
@@ -90,11 +101,11 @@ def corner_cracks(space, number, sample, snapshot, magnify):
         ends[:, 2 if kind == "head" else 0] = along.min(), along.max()
         cracks.append((ends, codes[points].max(), width[points].max(), (first, second)))
     if not cracks:
-        return np.zeros((0, 2, 3)), np.zeros(0, int), np.zeros(0), np.zeros((0, 2), int)
+        return Cracks(np.zeros((0, 2, 3)), np.zeros(0, int), np.zeros(0), np.zeros((0, 2), int))
     ends, codes, width, bodies = map(np.array, zip(*cracks))
     ends = placing.in_house(np.full(len(ends), number), ends)
     ends = sum(space.moved(body, ends, snapshot, magnify) for body in bodies.T) / 2
-    return ends, codes, width, bodies
+    return Cracks(ends, codes, width, bodies)
 
 
 def widths(history, sample):
@@ -141,7 +152,8 @@ class Before:
     def in_band(self, boxes):
         """Which boxes (n, 8, 3) [m] are in the wall, or reach into it, (n,) bool."""
         local = self.placing.in_wall(self.number, boxes)[..., :2]
-        left, length = (getattr(self.placing, one)[self.number] for one in ("left", "length"))
+        left = self.placing.left[self.number]
+        length = self.placing.length[self.number]
         half = self.placing.thickness[self.number] / 2
         least = np.array([left, -half])
         most = np.array([left + length, half])
@@ -176,7 +188,7 @@ class Eye:
 
 
 def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None)):
-    """Draw bodies, by their corners (n_bodies, 8, 3) [m], those that are shown, and `cracks` into a
+    """Draw bodies, by their corners (n_bodies, 8, 3) [m], those that are shown, and Cracks into a
     PolyCollection, from back to front.
 
     Course by course upwards: as the eye is above all of them, a lower one hides nothing of a higher
@@ -212,9 +224,8 @@ def draw(collection, history, eye, corners, lines, widest_pt, shown=slice(None))
 
 def legend_of(history, sample, widest_pt):
     """Handles of the states and widths of cracks, and of the kinds of bodies, of a house."""
-    one = shape_at(history.parts[0], sample, 0.0, magnify=0.0)
     shape = replace(
-        one,
+        shape_at(history.parts[0], sample, 0.0, magnify=0.0),
         elastic=np.zeros(1, bool),
         kinds=kinds_of_bodies(history.bodies["course"]),
         crack_width_m=widths(history, sample),
@@ -253,7 +264,7 @@ def elevation_picture(history, sample="max", magnify=None):
             on_face = (house.joint_wall == number) & (np.sign(house.joint_y_m) == sign)
             lines, _ = cracks(space, sample, snapshot, magnify, on_face)
             more = corner_cracks(space, number, sample, snapshot, magnify)
-            lines = [np.concatenate(both) for both in zip(lines, more)]
+            lines = Cracks(*(np.concatenate(both) for both in zip(lines, more)))
             drawn = ax.add_collection(PolyCollection([]))
             shown = eye.in_band(space.boxes)
             draw(drawn, history, eye, corners, lines, widest_pt=widest_pt, shown=shown)
@@ -300,8 +311,8 @@ class Perspective:
         lines, joints = cracks(self.space, sample, snapshot, magnify, on_face)
         normals = history.placing.axes[house.joint_wall[joints], 1]
         normals = normals * np.sign(house.joint_y_m[joints, None])
-        seen = eye.sees(lines[0].mean(axis=1), normals)
-        lines = [values[seen] for values in lines]
+        seen = eye.sees(lines.ends.mean(axis=1), normals)
+        lines = Cracks(*(values[seen] for values in lines))
         corners = self.space.corners(snapshot, magnify)
         draw(self.drawn, history, eye, corners, lines, widest_pt=self.widest_pt)
         ground = self._around(0.12) * [1.0, 1.0, 0.0]
@@ -367,12 +378,12 @@ def walls_picture(history):
     ][: 3 + (len(corners) > 0)]
     figure, axes = style.new_figure(1.15 * len(panels), rows=len(panels), sharex=True)
     lines = dict(zip([*walls["wall"].unique(), *corners["corner"].unique()], LINES))
-    for number, (ax, (table, key, name, factor, label, words)) in enumerate(zip(axes, panels)):
-        for one, rows in table.groupby(key, sort=False):
-            colour, line = lines[one]
-            ax.plot(rows["time_s"], factor * rows[name], color=colour, ls=line, label=one)
+    for number, (ax, (table, key, name, factor, label, heading)) in enumerate(zip(axes, panels)):
+        for title, rows in table.groupby(key, sort=False):
+            colour, line = lines[title]
+            ax.plot(rows["time_s"], factor * rows[name], color=colour, ls=line, label=title)
         ax.set_ylabel(label)
-        letter(ax, number, words)
+        letter(ax, number, heading)
     for ax in axes[::3]:
         from_zero(ax)
     handles = [line for ax in axes[::3] for line in ax.get_lines()]

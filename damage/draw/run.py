@@ -254,15 +254,17 @@ def _draw_thrust(ax, history, moment):
     outside of it."""
     table = sections_table(history, [moment]).set_index(["part", "place_m"])
     thrust_lines = {}
-    for part, left, right, is_bed, across, _ in sections(history):
-        row = table.loc[part, across]
+    for section in sections(history):
+        row = table.loc[section.part, section.place]
         inside = abs(row["eccentricity_m"]) <= row["length_m"] / 2
-        middle = np.array([(left + right) / 2, across])
+        middle = np.array([(section.left + section.right) / 2, section.place])
         along = np.array([1.0, 0.0])
-        middle, along = (middle, along) if is_bed else (middle[::-1], along[::-1])
+        if not section.is_bed:
+            middle = middle[::-1]
+            along = along[::-1]
         third = KERN * row["length_m"] * along
         thrust = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) if inside else np.full(2, np.nan)
-        thrust_lines.setdefault(part, []).append((thrust, middle - third, middle + third))
+        thrust_lines.setdefault(section.part, []).append((thrust, middle - third, middle + third))
     for lines in thrust_lines.values():
         thrust, lower, upper = np.moveaxis(np.array(lines), 1, 0)
         ax.plot(*thrust.T, color=style.BLACK, lw=0.9, marker=".", ms=2)
@@ -328,8 +330,8 @@ def _moment(shape, sample):
 
 def magnified(snapshot: int | None, factor: float | None):
     """Legend entry: the factor on displacements of a snapshot, None where there is none."""
-    words = "undeformed, no snapshot near" if snapshot is None else f"displacements × {factor:g}"
-    return style.area_handle("none", words, "none")
+    label = "undeformed, no snapshot near" if snapshot is None else f"displacements × {factor:g}"
+    return style.area_handle("none", label, "none")
 
 
 def joint_handles(shape: WallShape) -> list:
@@ -350,8 +352,8 @@ def joint_handles(shape: WallShape) -> list:
     width = line_width(0.5 * MILLIMETRE, shape.widest_pt)
     areas = {
         **{
-            words: ((shape.kinds == kind).any(), style.BODY_COLOURS[kind], "none")
-            for kind, words in style.BODY_WORDS.items()
+            name: ((shape.kinds == kind).any(), style.BODY_COLOURS[kind], "none")
+            for kind, name in style.BODY_WORDS.items()
         },
         "supports": (shape.ground_moves, style.GROUND_COLOUR, style.DARK),
     }
@@ -676,14 +678,14 @@ def sequence_picture(history: History) -> Figure:
     )
     base.set_ylabel("base [g]")
     letter(base, 0, f"{len(table)} events")
-    for number, (ax, name, label, words) in enumerate(
+    for number, (ax, name, label, heading) in enumerate(
         ((psi, "psi", r"$\Psi$ [-]", "Psi of the cracks"), (index, "DI", "DI [-]", "damage index")),
         1,
     ):
         largest = _steps(ax, table, f"max_{name}", "largest in the event", style.MEDIUM, line="--")
         residual = _steps(ax, table, f"residual_{name}", "at rest after it", style.BLACK)
         ax.set_ylabel(label)
-        letter(ax, number, words)
+        letter(ax, number, heading)
     after = _steps(offset, table, "offset_after_mm", "largest offset at rest", style.BLUE)
     offset.set_ylabel("offset [mm]")
     letter(offset, 3, "offset of the joints")

@@ -11,6 +11,8 @@ over up to e = 1/6 of the section's length.  Places and directions are those of 
 a joint that has turned by an angle has its forces along axes turned so.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 
@@ -44,10 +46,24 @@ def contact_forces(history, sample):
     return np.column_stack([np.where(bed, shear, normal), np.where(bed, normal, shear)])
 
 
+class Section(NamedTuple):
+    """A section of a pier, or of an arch.
+
+    part: "pier 1", ... from the left, "arch 1", ...; left, right [m]: of the pier along x, or of
+    the arch along z; is_bed: of bed joints, else of upright ones; place [m]: height of the section
+    of a pier, or place along the wall of that of an arch; joints: rows of its contact points.
+    """
+
+    part: str
+    left: float
+    right: float
+    is_bed: bool
+    place: float
+    joints: np.ndarray
+
+
 def sections(history):
-    """Sections of the piers, and of arches: [(part, left, right [m], is_bed, place [m] across, rows
-    of the joints)]; left, right: of the pier along x, or of the arch along z; part: "pier 1", ...
-    from the left, "arch 1", ..."""
+    """The Sections of the piers, then of the arches, a list."""
     joints = history.joints
     sections = []
     x = joints["x_m"].to_numpy()
@@ -56,16 +72,17 @@ def sections(history):
     for number, (left, right) in enumerate(history.plan.piers, 1):
         inside = is_bed & (x > left - _SAME) & (x < right + _SAME)
         sections += [
-            (f"pier {number}", left, right, True, *joints) for joints in _by_place(z, inside)
+            Section(f"pier {number}", left, right, True, *row) for row in _by_place(z, inside)
         ]
     for number, lintel in enumerate(
         (place for place in history.plan.lintels if place.lintel.kind == "arch"), 1
     ):
         upright = ~is_bed & _in_arch(history, lintel)
-        at = np.flatnonzero(upright)
+        points = np.flatnonzero(upright)
+        low = z[points].min()
+        high = z[points].max()
         sections += [
-            (f"arch {number}", z[at].min(), z[at].max(), False, *joints)
-            for joints in _by_place(x, upright)
+            Section(f"arch {number}", low, high, False, *row) for row in _by_place(x, upright)
         ]
     return sections
 
@@ -105,11 +122,11 @@ def sections_table(history, moments=MOMENTS):
     area, length = (history.joints[name].to_numpy() for name in ("area_m2", "length_m"))
     places = history.joints[["x_m", "z_m"]].to_numpy()
     rows = []
-    tables = sections(history)
+    of_parts = sections(history)
     for moment, sample in zip(moments, choose_samples(history, moments)):
         stress = history.joint_stress_pa[sample].astype(float)
         time_s = float(history.time_s[sample])
-        for part, *_, is_bed, across, joints in tables:
+        for part, _, _, is_bed, across, joints in of_parts:
             along = places[joints, 0 if is_bed else 1]
             (sigma, tau) = stress[joints].T
             middle = np.average(along, weights=area[joints])
