@@ -56,7 +56,8 @@ _PARTS = {
     ),
 }
 """Arrays, lists of numbers and numbers of each part of a solver; arrays keep their identity."""
-_OWN = "NewtonIntegrator", "ForceResetter", "InsertionSortCollider", "InteractionLoop"
+_ENGINES = "NewtonIntegrator", "ForceResetter", "InsertionSortCollider", "InteractionLoop"
+"""Engines of the model, which a scene brings along; all others are those of this process."""
 _KINDS = "tension", "shear", "opened", "slipped"
 
 
@@ -150,15 +151,15 @@ def _saved_scene():
 
 
 def _load_scene(scene, solver):
-    """Load a scene, with the engines that are there now where they are none of the model's own."""
+    """Load a scene, of whose engines those of the model alone, and hand these to the model."""
     engines = list(O.engines)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "scene.yade"
         path.write_bytes(scene.tobytes())
         O.load(str(path), quiet=True)
-    loaded = {type(engine).__name__: engine for engine in O.engines}
+    loaded = {_kind_of(engine): engine for engine in O.engines}
     O.engines = [
-        loaded[name] if (name := type(engine).__name__) in _OWN else engine for engine in engines
+        loaded[_kind_of(engine)] if _kind_of(engine) in _ENGINES else engine for engine in engines
     ]
     model = solver.model
     model.newton = loaded["NewtonIntegrator"]
@@ -166,9 +167,13 @@ def _load_scene(scene, solver):
     model._material = O.materials["tip"]
 
 
+def _kind_of(engine):
+    return type(engine).__name__
+
+
 def _loads():
-    """Numbers of the bodies, some of which may be erased, and forces and torques on them, of clumps
-    those of a top that is held or restrained, (n_bodies, 7) [N, N m]."""
+    """Number, force [N] and torque [N m] of each body that is not erased, (n_bodies, 7).  Clumps
+    have those of a top that is held or restrained, all others are on their members."""
     return np.array(
         [(body.id, *O.forces.f(body.id, True), *O.forces.t(body.id, True)) for body in O.bodies]
     )
@@ -182,23 +187,25 @@ def _forces():
 
 
 def _put_forces(loads, forces):
-    """Evaluate the contacts at the present positions, for their geometry alone, and set all
-    forces."""
-    loop = next(engine for engine in O.engines if type(engine).__name__ == "InteractionLoop")
+    """Set all forces, after an evaluation of the contacts, which gives them their geometry at the
+    present positions; it moves nothing and breaks no bond."""
+    loop = next(engine for engine in O.engines if _kind_of(engine) == "InteractionLoop")
     dt = O.dt
     O.dt = 0.0
     law = loop.lawDispatcher.functors[0]
-    # Bonds at their limits would pass them by rounding.
-    limits = [
+    # Bonds at their limits may fail in it by rounding; they and YADE's counts are restored.
+    bonds = [
         (i.phys, i.phys.FnMax, i.phys.FsMax)
         for i in O.interactions
         if getattr(i.phys, "isCohesive", False)
     ]
-    passed = law.nbTensCracks, law.nbShearCracks
+    cracks = law.nbTensCracks, law.nbShearCracks
     loop()
-    law.nbTensCracks, law.nbShearCracks = passed
-    for phys, phys.FnMax, phys.FsMax in limits:
-        phys.isCohesive = True
+    law.nbTensCracks, law.nbShearCracks = cracks
+    for physics, normal_limit, shear_limit in bonds:
+        physics.FnMax = normal_limit
+        physics.FsMax = shear_limit
+        physics.isCohesive = True
     O.dt = dt
     O.forces.f(0, True)  # without this the next does not reset
     O.forces.reset()
@@ -263,7 +270,7 @@ def _bind(solver, tables):
             isCohesive=False,
         )
     model.gone = set(tables["gone"].tolist())
-    for members, number in zip(model.members, range(len(model.members))):
+    for number, members in enumerate(model.members):
         members[:] = tables["members"][tables["members"][:, 0] == number, 1].tolist()
     model.corners.clear()
     model.corners.update(tables["corners"].tolist())

@@ -88,7 +88,11 @@ class SpreaderBeam:
 
     def add_forces(self):
         """Add the force after which the mean displacement of the bodies by their shares is that of
-        the machine; it is damped by YADE's rule."""
+        the machine.
+
+        YADE's local damping takes or gives a share of each body's acceleration by its sign: a few
+        iterations find it.
+        """
         dt = self._solver.time_step
         bodies = self._bodies
         shares = self._shares
@@ -105,11 +109,11 @@ class SpreaderBeam:
             ]
         )
         force = self.force
-        change = (self.place - shares @ place) / dt - shares @ speed
+        missing = (self.place - shares @ place) / dt - shares @ speed  # velocity to be added
         for _ in range(4):
             rate = (by_joints + shares * force) / mass
             undamped = 1 - model.newton.damping * np.sign(rate * (speed + dt / 2 * rate))
-            force = (change / dt - shares @ (undamped * by_joints / mass)) / (
+            force = (missing / dt - shares @ (undamped * by_joints / mass)) / (
                 shares @ (undamped * shares / mass)
             )
         self.place += dt * self.velocity

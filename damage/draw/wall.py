@@ -162,12 +162,14 @@ def shape_at(history, sample, damage, magnify=None, snapshot=None):
 
 
 def magnification(bodies, motion):
-    """Factor that makes the largest displacement of a corner about VISIBLE_SHARE of the bricks'
-    height: 1, 2 or 5 times a power of ten, from 1 to LARGEST_MAGNIFICATION; 1 without motion."""
+    """Factor that makes the largest displacement of a corner about VISIBLE_SHARE of the height of
+    the brickwork: 1, 2 or 5 times a power of ten, from 1 to LARGEST_MAGNIFICATION; 1 without
+    motion."""
     rest = geometry.body_corners(bodies)
     moved = geometry.body_corners(bodies, motion) - rest
     largest = float(np.max(np.hypot(moved[..., 0], moved[..., 1])))
-    return visible(largest, float(rest[bodies["course"].to_numpy() >= 0, :, 1].max()))
+    is_brick = bodies["course"].to_numpy() >= 0
+    return visible(largest, height=float(rest[is_brick, :, 1].max()))
 
 
 def visible(largest, height, share=VISIBLE_SHARE):

@@ -12,6 +12,7 @@ from damage.wall.model_options import ModelOptions
 
 
 def _model(seeds):
+    """Columns of the options of ModelOptions, of those that seed draws or of the others."""
     return {
         attribute.name: Column("", attribute.metadata["help"])
         for attribute in fields(ModelOptions)

@@ -174,8 +174,8 @@ def _check_sensitivity(where, overall, stages):
 
 
 def without_entities(xml):
-    """XML as it is, if it declares no document type: entities could stand for other files or for
-    any length."""
+    """Return XML that declares no document type, by which entities could stand for other files or
+    for any length; raises ValueError for any other."""
     from lxml import etree  # obspy brings it
 
     parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False)

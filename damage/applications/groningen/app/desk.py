@@ -268,7 +268,8 @@ class Desk:
         return ["--settle", settle, "--distortion", repr(float(distortion))]
 
     def progress(self):
-        """How far the runs are: the last lines of their log."""
+        """How far the runs are: `Job.progress`, whether more draws help, and the sheet's file, None
+        where there is none yet."""
         more = None
         with contextlib.suppress(OSError, ValueError):  # there is no sheet yet
             more = json.loads(self.path(f"{RESULTS}/{NUMBERS}").read_text())["more_draws"]

@@ -60,8 +60,8 @@ class GroundMotionModel:
         self.deviations = Deviations(*(self.values[name] for name in Deviations._fields))
 
     def median_mm_s(self, magnitude, epicentral_km, vs30_m_s):
-        """Median PGV [mm/s], of the broadcast shape of magnitude [-], epicentral distance [km] and
-        VS30 [m/s]."""
+        """Median PGV [mm/s] by magnitude [-], epicentral distance [km] and VS30 [m/s], arrays whose
+        shapes broadcast, or numbers."""
         raise NotImplementedError
 
     def exceeded_mm_s(self, median_mm_s, probability):
