@@ -557,7 +557,7 @@ def _named(context, builder, signature, values, rows):
     for i in range(WIDTH if single else 1):
         row = builder.load(builder.gep(places, [builder.add(k, _LONG(i))]))
         row = builder.zext(row, _LONG)
-        yield _pointer(context, builder, signature, values, row, field, single)
+        yield _pointer(context, builder, signature, values, row=row, field=field, single=single)
 
 
 @_compiles(four, lambda n, table, rows, k, field: types.UniTuple(_numbers(n), 4))
@@ -608,7 +608,7 @@ def _added(context, builder, signature, values, rows, three):
 @_compiles(add_three, lambda n, table, first, second, k, field, to_first, to_second: types.none)
 def _add_three(context, builder, signature, values):
     both = [
-        _added(context, builder, signature, values, rows, three)
+        _added(context, builder, signature, values, rows=rows, three=three)
         for rows, three in ((2, values[6]), (3, values[7]))
     ]
     pairs = [component for pair in zip(*both) for component in pair]

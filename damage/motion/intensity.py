@@ -61,15 +61,6 @@ def pga_g(record: Record) -> float:
     return float(np.abs(record.acceleration_m_s2).max()) / GRAVITY
 
 
-def pgv_cm_s(record: Record) -> float:
-    """Peak ground velocity as `pgv_m_s` has it [cm/s].
-
-    >>> round(pgv_cm_s(Record("pulse", 0.01, np.ones(11))), 2)
-    10.0
-    """
-    return 100.0 * pgv_m_s(record)
-
-
 def pgv_m_s(record: Record) -> float:
     """Peak velocity of a base that moves as the record says, from rest at the first sample [m/s].
 
@@ -413,7 +404,7 @@ def summary(record: Record) -> dict:
     spectrum_g = response_spectrum(record, SPECTRUM_PERIODS_S)
     return {
         "pga_g": pga_g(record),
-        "pgv_cm_s": pgv_cm_s(record),
+        "pgv_cm_s": 100.0 * pgv_m_s(record),
         "end_velocity_cm_s": 100.0 * end_velocity_m_s(record),
         "arias_m_s": arias_m_s(record),
         "d5_75_s": significant_duration_s(record, 0.05, 0.75),

@@ -22,7 +22,7 @@ from damage.applications.studies.inputs import as_json, differences
 from damage.files import LONGEST_LINE
 from damage.motion import columns
 from damage.motion.formats import format_of, read_record, shipped_record_path
-from damage.motion.intensity import pga_g, pgv_cm_s
+from damage.motion.intensity import pga_g, pgv_m_s
 from damage.motion.loading import Recorded
 from damage.motion.plausible import faint_warnings, implausible_velocity
 from damage.motion.record import Record
@@ -196,7 +196,7 @@ def test_the_pulse_is_read_however_it_is_written(text, given, unit, tmp_path):
     given = dict(given)
     path = record_file(tmp_path, text, given.pop("encoding", "utf-8"))
     record = read_record(path, **given)
-    assert (pga_g(record), pgv_cm_s(record)) == approx((0.15, PULSE_PGV_CM_S), rel=1e-4)
+    assert (pga_g(record), 100 * pgv_m_s(record)) == approx((0.15, PULSE_PGV_CM_S), rel=1e-4)
     assert record.unit.startswith(f"{unit} (") and record.time_step_s == STEP_S
     assert record.given == given and len(record.sha256) == 64
 
@@ -746,7 +746,7 @@ class TestOtherFormats:
         monkeypatch.chdir(tmp_path)
         exec(f"import numpy, obspy\n{recipe}", {})
         record = read_record("record.csv")
-        assert (pga_g(record), pgv_cm_s(record)) == approx((0.15, PULSE_PGV_CM_S), rel=2e-3)
+        assert (pga_g(record), 100 * pgv_m_s(record)) == approx((0.15, PULSE_PGV_CM_S), rel=2e-3)
 
     @pytest.mark.parametrize(
         "begins, name",

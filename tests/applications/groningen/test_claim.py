@@ -590,7 +590,9 @@ class TestOneFolder:
         monkeypatch.setattr(make, "STEPS", (2, 3, 8))
         written_numbers = []
         monkeypatch.setattr(
-            make, "sheet", lambda numbers, *_: written_numbers.append(dict(numbers)) or "a sheet"
+            make,
+            "sheet",
+            lambda numbers, *_, **__: written_numbers.append(dict(numbers)) or "a sheet",
         )
         out = shutil.copytree(claimed, tmp_path / "out")
         assert main(words(claimed.parent, "--out", str(out), draws=4)) == 0
