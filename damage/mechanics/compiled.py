@@ -11,18 +11,20 @@ sources are not compiled again where a file was written anew.
 """
 
 import atexit
+import fcntl
 import hashlib
 import shutil
 import sys
 import tempfile
 import time
-from contextlib import suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from threading import Event, Thread
 
 import numba
 from numba import njit, types
 from numba.core import event
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 
 COMPILING = (
@@ -53,7 +55,6 @@ SOURCES = [
         "../law/joint_law",
         "../law/states",
         "../wall/kinds",
-        "../wall/kinematics",
         "../wall/split",
     )
 ]
@@ -97,8 +98,8 @@ def delete_other_versions():
     """Delete the machine code of other versions of these sources, which numba would never
     delete."""
     folder = kept_in()
-    for file in folder.glob("*.nb[ic]") if folder else []:
-        if DIGEST not in file.name:
+    for file in folder.iterdir() if folder else []:
+        if file.suffix in (".nbi", ".nbc", ".lock") and DIGEST not in file.name:
             with suppress(OSError):  # another process deletes it, too, or the folder is read-only
                 file.unlink()
 
@@ -128,11 +129,34 @@ def _compiler(is_entry=False, inline=False):
         made = compiler(function)
         with suppress(AttributeError):  # where numba is switched off: nothing is cached
             made._cache._cache_file._source_stamp = DIGEST
-        if not is_entry and isinstance(made, CPUDispatcher):  # not where numba is switched off
-            made.__class__ = _Internal
+        if isinstance(made, CPUDispatcher):  # not where numba is switched off
+            made.__class__ = _Entry if is_entry else _Internal
         return made
 
     return decorate
+
+
+class _Entry(CPUDispatcher):
+    """A function that Python calls: processes that begin together compile it once."""
+
+    def compile(self, sig):
+        name = hashlib.sha256(f"{self.py_func.__qualname__}{sig}".encode()).hexdigest()[:12]
+        # numba's own lock first: threads of a process take both in the same order
+        with global_compiler_lock, alone(f"{DIGEST}-{name}.lock"):
+            return super().compile(sig)
+
+
+@contextmanager
+def alone(name):
+    """Wait until no other process holds the lock of this name beside numba's cache, which has the
+    machine code by then; without a folder that can be written to, go on."""
+    with ExitStack() as stack:
+        with suppress(OSError):
+            folder = kept_in()
+            folder.mkdir(parents=True, exist_ok=True)
+            file = stack.enter_context((folder / name).open("w"))
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 class _Internal(CPUDispatcher):

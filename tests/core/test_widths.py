@@ -2,6 +2,7 @@
 whatever the others do, and those of plain Python but for fused multiply-adds."""
 
 import ast
+import fcntl
 import gc
 import os
 import re
@@ -20,10 +21,8 @@ from short_runs import solver_of
 from damage import Brick, Joint, ModelOptions, Opening, Wall
 from damage.law.states import ENDED, FAILED
 from damage.mechanics import bodies, samples, step
-from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES
-from damage.mechanics.simd import (
-    ONE,
-)
+from damage.mechanics.compiled import COMPILING, DIGEST, SOURCES, alone, kept_in
+from damage.mechanics.simd import ONE
 from damage.mechanics.tables import HAS_FAILED, RIGID
 from damage.motion.loading import Harmonic
 from damage.reference import ensembles
@@ -329,6 +328,16 @@ def test_plain_python_gives_what_the_compiled_functions_give(tmp_path, n_walls):
 
 
 # --- machine code that is kept --------------------------------------------------------------------
+
+
+def test_processes_that_begin_together_compile_one_after_the_other():
+    """So that the second finds the machine code of the first."""
+    name = "test.lock"
+    with alone(name), (kept_in() / name).open("w") as other, pytest.raises(BlockingIOError):
+        fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    with (kept_in() / name).open("w") as other:
+        fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    (kept_in() / name).unlink()
 
 
 def imports_of(path):
