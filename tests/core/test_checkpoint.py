@@ -89,7 +89,10 @@ def in_a_child(words, looks=None, name=signal.SIGKILL):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.long] * (name == "deformable")) for name in RUNS],
+)
 def test_kills_leave_every_bit(name, tmp_path, monkeypatch):
     """A run is killed in the static stage, and interrupted in the middle of each stage."""
     words = words_of(RUNS[name], tmp_path)

@@ -254,11 +254,12 @@ PARTY = as_toml(
 
 
 @pytest.mark.yade
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("text", "period", "peak"),
     [
         pytest.param(SMALL, 0.15, 0.45, id="top"),
-        pytest.param(PARTY, 0.1, 0.2, id="side", marks=pytest.mark.long),
+        pytest.param(PARTY, 0.1, 0.2, id="side"),
     ],
 )
 def test_both_solvers_agree(tmp_path, in_both, text, period, peak):

@@ -395,6 +395,7 @@ def test_force_and_drift_of_a_push_count_from_its_start(run_of):
 
 
 @pytest.mark.yade
+@pytest.mark.long
 def test_yade_moves_a_support_as_the_reference_solver_does(yade_command, tmp_path):
     """The left one of a pier."""
     script = REPOSITORY / "tests/yade/checks/settling_support.py"
