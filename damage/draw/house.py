@@ -20,6 +20,7 @@ from damage.draw.wall import (
     shape_at,
     visible,
     widest_line,
+    widths,
 )
 from damage.history.in_space import InSpace
 from damage.history.info import origin
@@ -106,11 +107,6 @@ def corner_cracks(space, number, sample, snapshot, magnify):
     ends = placing.in_house(np.full(len(ends), number), ends)
     ends = sum(space.moved(body, ends, snapshot, magnify) for body in bodies.T) / 2
     return Cracks(ends, codes, width, bodies)
-
-
-def widths(history, sample):
-    """Crack widths of all contact points at a sample, (n_joints,) [m]."""
-    return np.hypot(history.opening_m[sample], history.slip_by("displacement")[sample], dtype=float)
 
 
 def magnification(space, snapshots):

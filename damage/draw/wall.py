@@ -157,8 +157,13 @@ def shape_at(history, sample, damage, magnify=None, snapshot=None):
         segments=segments,
         state=joint_states(history, sample),
         elastic=history.joints["elastic"].to_numpy(bool) & ~cuts,
-        crack_width_m=np.hypot(history.opening_m[sample], history.offset_m[sample], dtype=float),
+        crack_width_m=widths(history, sample),
     ).on_page()
+
+
+def widths(history, sample):
+    """Crack widths of all contact points at a sample, (n_joints,) [m]."""
+    return np.hypot(history.opening_m[sample], history.offset_m[sample], dtype=float)
 
 
 def magnification(bodies, motion):

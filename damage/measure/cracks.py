@@ -179,7 +179,7 @@ def cracks_at(history: History, sample: int, threshold: float = THRESHOLD) -> pd
     return crack_table(
         tributary_ends(history.joints),
         history.opening_m[sample],
-        history.slip_by("displacement")[sample],
+        history.offset_m[sample],
         threshold,
     )
 
@@ -206,7 +206,7 @@ def psi_history(history: History, threshold: float = PSI_FROM) -> pd.DataFrame:
     [1.55]
     """
     opening = history.active.opening_m
-    slip = history.active.slip_by("displacement")
+    slip = history.active.offset_m
     # Where opening and |slip| both stay below 0.7 of the threshold, the width stays below it: most
     # contact points.
     least = threshold * 0.7

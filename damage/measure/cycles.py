@@ -156,7 +156,7 @@ def shocks_table(history: History) -> pd.DataFrame:
     values = index_by_all(history).assign(
         psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE
     )
-    offset = np.abs(history.active.slip_by("displacement")).max(axis=1, initial=0.0) / MILLIMETRE
+    offset = np.abs(history.active.offset_m).max(axis=1, initial=0.0) / MILLIMETRE
     failed = history.states.broken.sum(axis=1)
     # largest offset [mm], failed contact points
     before = 0.0, np.nan_to_num(history.static.get("broken_joints", 0))

@@ -234,7 +234,27 @@ def parse_run(arguments, prog, solver):
         Where an option, its value or a file is not valid.
     """
     given = make_parser(prog, solver).parse_args(arguments)
-    return _settings_of(given, f"{prog} {shown_command(arguments)}".strip())
+    added = {}
+    for source in SOURCES:
+        added |= source.fields(given)
+    alpha_1_s, beta_s = _damping(given)
+    before = getattr(given, "continue")
+    return RunSettings(
+        **_fields_of(RunSettings, given)
+        | ({} if "loading" in added else motion_of(given))
+        | {
+            "settlement": settlement_of(given),
+            "model": model_of(given),
+            "continued": before and str(before),
+            "alpha_1_s": alpha_1_s,
+            "beta_s": beta_s,
+            "checkpoint_s": math.inf if given.checkpoint is None else 60 * given.checkpoint,
+            "resumed": given.resume and str(given.resume),
+            "out": given.out or given.resume,
+            "command": f"{prog} {shown_command(arguments)}".strip(),
+        }
+        | added
+    )
 
 
 def settings_of(options, prog, solver):
@@ -246,9 +266,7 @@ def settings_of(options, prog, solver):
         {name: value}: the name without its dashes, - or _ inside of it.  An option of several
         values has a tuple or a list, one without a value True.  None stands for the default.
     """
-    words = words_of(options, solver)
-    given = make_parser("", solver).parse_args(words)
-    return _settings_of(given, f"{prog} {shown_command(words)}".strip())
+    return parse_run(words_of(options, solver), prog, solver)
 
 
 @lru_cache(maxsize=8)  # a study asks for one for each of its runs
@@ -372,31 +390,6 @@ def _rows(action, name, value):
             f"{name} = {value!r:.80}: expected {' '.join(action.metavar)}, or a list of these;"
             " correct it"
         ) from None
-
-
-def _settings_of(given, command):
-    """RunSettings from parsed options, with the command line that asks for them."""
-    added = {}
-    for source in SOURCES:
-        added |= source.fields(given)
-    alpha_1_s, beta_s = _damping(given)
-    before = getattr(given, "continue")
-    return RunSettings(
-        **_fields_of(RunSettings, given)
-        | ({} if "loading" in added else motion_of(given))
-        | {
-            "settlement": settlement_of(given),
-            "model": model_of(given),
-            "continued": before and str(before),
-            "alpha_1_s": alpha_1_s,
-            "beta_s": beta_s,
-            "checkpoint_s": math.inf if given.checkpoint is None else 60 * given.checkpoint,
-            "resumed": given.resume and str(given.resume),
-            "out": given.out or given.resume,
-            "command": command,
-        }
-        | added
-    )
 
 
 def _fields_of(kind, parsed):

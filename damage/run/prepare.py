@@ -179,16 +179,23 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     write: makes what keeps the history, HistoryInMemory in place of HistoryWriter where there is to
     be no file.
     """
-    wall = in_units(make_wall(), settings.units)
-    settings = check(backend, wall, settings)
-    out = output_of(backend, wall, settings)
-    plan = plan_of(backend, wall, settings)
-    announce(plan)
+    plan, out = announced(backend, make_wall, settings)
     state = plan.past()
     return _opened(plan, state, plan.parameters_with(wall_file), out, write)
 
 
-def check(backend, wall, settings):
+def announced(backend, make_wall, settings):
+    """The RunPlan of a run, which is printed, and the path of its history; arguments and errors as
+    of `prepare`."""
+    wall = in_units(make_wall(), settings.units)
+    settings = _checked(backend, wall, settings)
+    out = _output_of(backend, wall, settings)
+    plan = plan_of(backend, wall, settings)
+    announce(plan)
+    return plan, out
+
+
+def _checked(backend, wall, settings):
     """RunSettings with what this solver adds to them for this wall; raises InputError where they do
     not go together."""
     wall.check_run(settings, backend.name)
@@ -199,7 +206,7 @@ def check(backend, wall, settings):
     return settings
 
 
-def output_of(backend, wall, settings):
+def _output_of(backend, wall, settings):
     """Path of the history; raises InputError where it, or its pictures, cannot be written."""
     out = settings.out or free_name(wall.masonry, settings, backend.name)
     if not settings.resumed:

@@ -70,7 +70,7 @@ def patterns_of(history):
     }
     samples = list(rows.values())
     opening = active.opening_m[samples]
-    offset = active.slip_by("displacement")[samples]
+    offset = active.offset_m[samples]
     used = ((opening != 0) | (offset != 0)).any(axis=0)
     moved = [nearest_snapshot(history, time_s) for time_s in series["time_s"].iloc[samples]]
     none = np.full(history.displacement.shape[1:], np.nan)

@@ -248,9 +248,7 @@ def drift_at_first_crack(history: History) -> float | None:
     >>> drift_at_first_crack(pushed)
     0.0002
     """
-    visible = (history.opening_m > THRESHOLD) | (
-        np.abs(history.slip_by("displacement")) > THRESHOLD
-    )
+    visible = (history.opening_m > THRESHOLD) | (np.abs(history.offset_m) > THRESHOLD)
     first = np.flatnonzero(visible.any(axis=1))
     return float(abs(since_the_push(history)[1][first[0]])) if len(first) else None
 
@@ -327,7 +325,7 @@ def mode_shares(history: History, until: float = np.inf) -> dict:
     drift = since_the_push(history)[1]
     sample = int(np.argmax(np.where(np.abs(drift) <= until, np.abs(drift), -1.0)))
     opening = history.opening_m[sample]
-    slip = np.abs(history.slip_by("displacement")[sample])
+    slip = np.abs(history.offset_m[sample])
     length = joints["length_m"].to_numpy()
     bed = (joints["kind"] == "bed").to_numpy()
     slipped = bed & (slip > THRESHOLD)

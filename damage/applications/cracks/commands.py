@@ -194,7 +194,7 @@ def _compare_survey(asked, paths):
             )
         survey = read_survey(surveys[0], layout)
         opening = history.opening_m[-1]
-        offset = history.slip_by("displacement")[-1]
+        offset = history.offset_m[-1]
         comparisons.append({"run": str(history.path)} | beside(survey, opening, offset, layout))
     show(
         asked,

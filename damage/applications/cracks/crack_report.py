@@ -92,7 +92,7 @@ def history_report(history, samples, threshold, drift_limit, psi_from, export):
     """The cracks of a History at samples (indices), a dictionary; written to `export` if it is
     given."""
     index = history.index(threshold, drift_limit)
-    width = np.hypot(history.opening_m, history.slip_by("displacement"))
+    width = np.hypot(history.opening_m, history.offset_m)
     levels = []
     for number, sample in enumerate(samples, start=1):
         table = cracks_at(history, sample, threshold)

@@ -212,7 +212,7 @@ def _moving_wall(history, chosen):
     ever = np.flatnonzero((states != JOINT_STATES.index("intact")).any(axis=0))
     width = np.hypot(
         history.opening_m[chosen][:, ever],
-        history.slip_by("displacement")[chosen][:, ever],
+        history.offset_m[chosen][:, ever],
         dtype=float,
     )
     near = [nearest_snapshot(history, time) for time in history.time_s[chosen]]
@@ -325,10 +325,7 @@ def special_samples(history, index):
         np.argmax(drift),
         np.argmin(drift),
         np.argmax(np.abs(np.nan_to_num(series["base_shear_n"]))),
-        *(
-            np.argmax(np.abs(field).max(axis=1))
-            for field in (history.opening_m, history.slip_by("displacement"))
-        ),
+        *(np.argmax(np.abs(field).max(axis=1)) for field in (history.opening_m, history.offset_m)),
     ]
     moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
     samples += [np.argmin(np.abs(time_s - moment)) for moment in moments if moment is not None]

@@ -19,11 +19,10 @@ from damage.applications.studies.tasks import Task
 from damage.applications.studies.worker import work
 from damage.errors import warn
 from damage.history.reader import read_history
-from damage.house.coarser import in_units
 from damage.measure.tables import write_table
 from damage.measure.warnings import energy_warnings
 from damage.reference.session import BACKEND
-from damage.run.prepare import announce, check, output_of, plan_of
+from damage.run.prepare import announced
 from damage.run.report import report
 from damage.run.settings import SCATTER
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
@@ -39,10 +38,8 @@ def run_members(wall_file, make_wall, settings, words):
     The history of the first member is the file of the run, with the table of all that ended beside
     it; those of the others are not kept.
     """
-    wall = in_units(make_wall(), settings.units)
-    settings = check(BACKEND, wall, settings)
-    out = Path(output_of(BACKEND, wall, settings))
-    announce(plan_of(BACKEND, wall, settings))
+    plan, out = announced(BACKEND, make_wall, settings)
+    out = Path(out)
     print(f"history of the first member: {out}", flush=True)
     members_path(out).unlink(missing_ok=True)  # of the run that this one replaces
     point = _point(wall_file, settings, words)
@@ -51,7 +48,7 @@ def run_members(wall_file, make_wall, settings, words):
             Task(Path(folder), point, number, keeps_history=number == 1)
             for number in range(1, point.members + 1)
         ]
-        rows, pool = _made(tasks, wall.name)
+        rows, pool = _made(tasks, plan.layout.wall.name)
         for task in pool.failed:
             print(
                 "error: member of seed"
