@@ -75,8 +75,7 @@ def drawn(wall, of, seed):
     }
     if isinstance(wall, House):
         return replace(
-            wall,
-            walls=[replace(placed, wall=drawn(placed.wall, of, seed)) for placed in wall.walls],
+            wall.with_each(lambda one: drawn(one, of, seed)),
             floors=[_times(floor, factor, {"mass_per_area": "load"}) for floor in wall.floors],
         )
     load = factor["load"]

@@ -170,6 +170,7 @@ class House:
     horizontal component of the motion in plan, from x towards y [deg]."""
 
     KIND: ClassVar = "house"
+    line_loads: ClassVar = ()
 
     name: str
     walls: tuple[Placed, ...]
@@ -210,11 +211,6 @@ class House:
         return *self.floors, *self.ties
 
     @property
-    def line_loads(self):
-        """None beside those of its walls."""
-        return []
-
-    @property
     def lone_walls(self):
         """Names of its walls that no corner, floor or tie joins to another, none of one wall."""
         parts = [part.walls for part in (*self.corners, *self.floors, *self.ties)]
@@ -228,7 +224,7 @@ class House:
 
     def with_each(self, change):
         """The House with each of its walls changed by a function."""
-        walls = tuple(replace(placed, wall=change(placed.wall)) for placed in self.walls)
+        walls = [replace(placed, wall=change(placed.wall)) for placed in self.walls]
         return replace(self, walls=walls)
 
     def check_run(self, settings, solver):

@@ -82,11 +82,6 @@ class HouseLayout(Layout):
         return self.house
 
     @property
-    def walls(self):
-        """The damage.Walls that are laid out."""
-        return [placed.wall for placed in self.house.walls]
-
-    @property
     def placing(self):
         """{group of a history: arrays} of where bodies and joints are in the house."""
         n = self.n_joints

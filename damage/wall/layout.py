@@ -196,9 +196,9 @@ class Layout:
         return self.wall
 
     @property
-    def walls(self) -> list[Wall]:
+    def walls(self) -> tuple[Wall, ...]:
         """The damage.Walls that are laid out."""
-        return [self.wall]
+        return self.building.each_wall
 
     @property
     def placing(self) -> dict:
