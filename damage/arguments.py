@@ -82,20 +82,21 @@ def number_from(least, most, kind=float):
     return convert
 
 
-def arg(name, help_=None, **options):
+def arg(name, help_=None, metavar=None, type_=None, **options):
     """A function that adds this argument to a parser, or a group of one, as `add_argument` takes
     it."""
-    return lambda parser: parser.add_argument(name, help=help_, **options)
+    more = {"help": help_, "metavar": metavar, "type": type_}
+    return lambda parser: parser.add_argument(name, **more, **options)
 
 
 def file_arg(name, metavar, help_=None, **options):
     """An `arg` that is a path."""
-    return arg(name, help_, type=file_path, metavar=metavar, **options)
+    return arg(name, help_, metavar, file_path, **options)
 
 
-def flag(name, help_, **options):
+def flag(name, help_, action="store_true", **options):
     """An option without a value."""
-    return arg(name, help_, action="store_true", **options)
+    return lambda parser: parser.add_argument(name, help=help_, action=action, **options)
 
 
 def group(title, *arguments):

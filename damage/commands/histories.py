@@ -99,7 +99,7 @@ def _plot(asked):
     arg(
         "--at",
         "rest, max, end, times [s] (default rest,max,end)",
-        metavar="MOMENT,...",
+        "MOMENT,...",
         default="rest,max,end",
     ),
     out("folder for tables and pictures", required=False),

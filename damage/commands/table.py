@@ -99,7 +99,7 @@ STYLE = output(
     arg(
         "--style",
         "pictures for print, without titles: in 8 pt, or in a matplotlib style of yours",
-        metavar="paper|FILE.mplstyle",
+        "paper|FILE.mplstyle",
     )
 )
 """The option --style of a command that draws; `printed` of `damage.draw.style` follows it."""
@@ -109,7 +109,7 @@ DAMAGE = "what counts as damage"
 def _limit(option, default, most, metavar, help_):
     """An option of what counts as damage, a number up to the most."""
     type_ = number_from(1e-6, most)
-    return group(DAMAGE, arg(option, help_, type=type_, default=default, metavar=metavar))
+    return group(DAMAGE, arg(option, help_, metavar, type_, default=default))
 
 
 DRIFT_LIMIT = _limit("--drift-limit-pct", 2.0, 100, "PCT", "drift limit (default 2)")

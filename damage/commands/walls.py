@@ -154,7 +154,7 @@ def _reference(words, quiet):
 @command(
     "does this machine compute the published histories, bit for bit? Runs of every kind, under a"
     " minute after the first compilation; exit status 1 where one differs",
-    arg("runs", "of these alone (default: all short ones)", metavar="RUN", nargs="*"),
+    arg("runs", "of these alone (default: all short ones)", "RUN", nargs="*"),
     flag("--long", "the longer runs, too"),
     examples=("", "harmonic softening", "--long"),
 )
@@ -190,8 +190,8 @@ def _check_bits(asked):
     arg(
         "--from",
         "the wall that is copied (default symmetric); an unknown one lists all",
+        "NAME",
         dest="source",
-        metavar="NAME",
         default="symmetric",
     ),
     examples=("my_wall.toml", "my_wall.toml --from solid"),
@@ -221,8 +221,8 @@ def _new_wall(asked):
             "--period",
             "first period of a wall (of `modes`): also Sa there, of the motion as that wall"
             " gets it, interpolated where its steps are coarse",
-            type=number_from(*PERIODS_S),
-            metavar="T1_S",
+            "T1_S",
+            number_from(*PERIODS_S),
         ),
     ),
     JSON,

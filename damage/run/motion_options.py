@@ -38,23 +38,18 @@ PREPARATION = (
         "--sample-step",
         "time between two samples of a record whose file has one "
         "column, sample numbers or rounded times",
-        type=float,
-        metavar="S",
+        "S",
+        float,
     ),
-    arg("--scale", "factor on the record (default 1)", type=float),
-    arg("--window", "part of the record to use", nargs=2, type=float, metavar=("T0_S", "T1_S")),
-    arg(
-        "--baseline",
-        "subtract a polynomial of this order from the record",
-        type=int,
-        metavar="ORDER",
-    ),
+    arg("--scale", "factor on the record (default 1)", type_=float),
+    arg("--window", "part of the record to use", ("T0_S", "T1_S"), float, nargs=2),
+    arg("--baseline", "subtract a polynomial of this order from the record", "ORDER", int),
     arg(
         "--band",
         "band-pass the record, 4th order Butterworth, zero phase (default: no filter)",
+        ("LOW_HZ", "HIGH_HZ"),
+        float,
         nargs=2,
-        type=float,
-        metavar=("LOW_HZ", "HIGH_HZ"),
     ),
     file_arg(
         "--across",
@@ -69,14 +64,14 @@ MOTION_GROUPS = {
         arg(
             "--harmonic",
             "sinusoidal base acceleration that starts at zero",
+            ("PERIOD_S", "AMPLITUDE_G"),
+            float,
             nargs=2,
-            type=float,
-            metavar=("PERIOD_S", "AMPLITUDE_G"),
         ),
         arg(
             "--cycles",
             "cycles of the harmonic motion (default 3), or at each drift of --cyclic (default 2)",
-            type=int,
+            type_=int,
         ),
         file_arg(
             "--record",
@@ -95,31 +90,26 @@ MOTION_GROUPS = {
             "events on the same wall, damage carried over: the harmonic or recorded motion"
             " times each factor, then rest and settling (default 1); or different records, a"
             " row of a CSV file each (docs/guides/own-record.md)",
-            type=_factors,
-            metavar="F,F,...|FILE.csv",
+            "F,F,...|FILE.csv",
+            _factors,
         ),
     ),
     "quasi-static loading, instead of a motion": (
         arg(
             "--pushover",
             "push the top to this drift, after --settle from where it stands then",
-            type=float,
-            metavar="DRIFT_PCT",
+            "DRIFT_PCT",
+            float,
         ),
-        arg(
-            "--cyclic",
-            "push the top cyclically to these drifts",
-            type=numbers,
-            metavar="PCT,PCT,...",
-        ),
+        arg("--cyclic", "push the top cyclically to these drifts", "PCT,PCT,...", numbers),
         arg(
             "--floor-share",
             "push the floor at this level with this share of the force, by a spreader beam;"
             " repeatable, with a sum of 1; the drift is that of the resultant",
+            ("LEVEL_M", "SHARE"),
+            float,
             nargs=2,
-            type=float,
             action=Rows,
-            metavar=("LEVEL_M", "SHARE"),
         ),
         arg(
             "--boundary",
@@ -129,16 +119,16 @@ MOTION_GROUPS = {
         arg(
             "--top-rotation",
             "rotational spring between the pushed top and what moves it (default 0: free)",
-            type=float,
-            metavar="N_M_RAD",
+            "N_M_RAD",
+            float,
         ),
-        arg("--speed", "speed of the pushed top (default 0.005)", type=float, metavar="M_S"),
+        arg("--speed", "speed of the pushed top (default 0.005)", "M_S", float),
         arg(
             "--damping",
             "local damping of the pushed wall, 0 to 0.7 (default 0.7); the "
             "reference solver has it with --relaxation local only",
-            type=float,
-            metavar="C",
+            "C",
+            float,
         ),
     ),
     "settlement of the ground, before the motion or without one": (
@@ -152,8 +142,8 @@ MOTION_GROUPS = {
             "--distortion",
             "of a named profile: relative deflection over half the wall's length, or the angle"
             f" of tilt and knick (default 1/{1 / USUAL_DISTORTION:g})",
-            type=fraction,
-            metavar="1/500",
+            "1/500",
+            fraction,
         ),
     ),
 }

@@ -53,9 +53,9 @@ def _argument(attribute):
     return arg(
         option_of(attribute),
         metadata["help"] + f" (default {shown})" * (default is not None),
-        type=str if metadata["choices"] else float if default is None else type(default),
+        metadata["metavar"],
+        str if metadata["choices"] else float if default is None else type(default),
         choices=metadata["choices"],
-        metavar=metadata["metavar"],
         default=default,
     )
 
@@ -70,10 +70,10 @@ UNITS = arg(
     "--units",
     "the wall in larger units of so many bricks and courses, as stiff, strong and tough, with"
     " fewer cracks: for many runs (damage.house.coarser; default 1 1)",
+    ("BRICKS", "COURSES"),
+    number_from(1, 20, int),
     nargs=2,
-    type=number_from(1, 20, int),
     default=(1, 1),
-    metavar=("BRICKS", "COURSES"),
 )
 PAST = "the wall's past"
 """The title of the options of what a wall went through before the run."""
@@ -99,9 +99,9 @@ def _model_arguments(solver):
             arg(
                 "--rayleigh",
                 "mass- and stiffness-proportional damping with this ratio at two frequencies",
+                ("RATIO", "F1_HZ", "F2_HZ"),
+                float,
                 nargs=3,
-                type=float,
-                metavar=("RATIO", "F1_HZ", "F2_HZ"),
             ),
             arg(
                 "--relaxation",
@@ -156,8 +156,8 @@ def _run_arguments(solver):
             "--checkpoint",
             "keep the state in FILE.checkpoint, each time after so many minutes of computing,"
             " in YADE at the end, too (default: at an interruption)",
-            type=number_from(1e-3, 1e5),
-            metavar="MINUTES",
+            "MINUTES",
+            number_from(1e-3, 1e5),
         ),
         file_arg(
             "--resume",
@@ -167,7 +167,7 @@ def _run_arguments(solver):
             " your own only",
         ),
         *arguments_of(RunSettings, "rest_s", "time_step_s"),
-        arg("--no-pictures", "write the history only", dest="pictures", action="store_false"),
+        flag("--no-pictures", "write the history only", dest="pictures", action="store_false"),
         flag("--quiet", "print warnings and errors only"),
         *of_yade,
     ]

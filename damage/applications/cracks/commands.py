@@ -33,8 +33,8 @@ from damage.wall.layout import lay_out
         "--to",
         "drift to which the force is averaged "
         "(default: ultimate drift of the test that the wall models, else of the run)",
-        type=number_from(1e-4, 100),
-        metavar="DRIFT_PCT",
+        "DRIFT_PCT",
+        number_from(1e-4, 100),
     ),
     examples=("pushed.h5", "pushed.h5 test.csv --json"),
 )
@@ -85,7 +85,7 @@ def _calibrate(asked):
 @command(
     "cracks, Psi and index of a history, of digitised cracks or of a DIC field",
     file_arg("source", "FILE", "a history (.h5) or a crack file (CSV)", nargs="?"),
-    group("a history", arg("--at", "max, end, times [s] (default max,end)", metavar="MOMENT,...")),
+    group("a history", arg("--at", "max, end, times [s] (default max,end)", "MOMENT,...")),
     group(
         "a crack file or a DIC field",
         file_arg("--dic", "FIELD.csv", "instead of FILE: a DIC displacement field"),
@@ -96,14 +96,14 @@ def _calibrate(asked):
             "--tolerance-mm",
             "of a crack file: how far from "
             "a joint a crack may be drawn (default: half a brick's height)",
-            type=number_from(1e-3, 1000),
-            metavar="MM",
+            "MM",
+            number_from(1e-3, 1000),
         ),
         arg(
             "--margin-mm",
             "of a field: how far inside a brick's edges points count (default 10)",
-            type=number_from(0, 1000),
-            metavar="MM",
+            "MM",
+            number_from(0, 1000),
         ),
     ),
     threshold("opening, slip and width"),

@@ -107,8 +107,8 @@ register(
                 "--tolerance-mm",
                 "how far from a joint a crack of "
                 "--cracked may be drawn (default: half a brick's length)",
-                type=number_from(1e-3, 1000),
-                metavar="MM",
+                "MM",
+                number_from(1e-3, 1000),
             ),
         ),
         _fields,

@@ -30,41 +30,21 @@ _degrees.__name__ = "float"  # for what argparse says of a word that is none
 _ADDRESS = (
     group(
         "address",
-        arg(
-            "--at", "the address, degrees in WGS84", nargs=2, type=_degrees, metavar=("LAT", "LON")
-        ),
-        arg(
-            "--rd",
-            "instead: metres in the Dutch grid (EPSG:28992)",
-            nargs=2,
-            type=float,
-            metavar=("X", "Y"),
-        ),
+        arg("--at", "the address, degrees in WGS84", ("LAT", "LON"), _degrees, nargs=2),
+        arg("--rd", "instead: metres in the Dutch grid (EPSG:28992)", ("X", "Y"), float, nargs=2),
         arg(
             "--vs30",
             "mean shear-wave velocity of the upper 30 m (default 200)",
+            "M_S",
+            float,
             dest="vs30_m_s",
-            type=float,
             default=200.0,
-            metavar="M_S",
         ),
     ),
     group(
         "earthquakes and ground motion",
-        arg(
-            "--from",
-            "first year (default: the catalogue's)",
-            dest="first_year",
-            type=int,
-            metavar="YEAR",
-        ),
-        arg(
-            "--to",
-            "last year (default: the catalogue's)",
-            dest="last_year",
-            type=int,
-            metavar="YEAR",
-        ),
+        arg("--from", "first year (default: the catalogue's)", "YEAR", int, dest="first_year"),
+        arg("--to", "last year (default: the catalogue's)", "YEAR", int, dest="last_year"),
         file_arg(
             "--catalogue",
             "FILE",
@@ -75,14 +55,9 @@ _ADDRESS = (
             "--component",
             "larger of both horizontal components (default), their "
             "geometric mean, or the largest in any direction",
-            metavar="LRG|GEO|MAX",
+            "LRG|GEO|MAX",
         ),
-        arg(
-            "--model",
-            "ground-motion model (default bommer-2022)",
-            default="bommer-2022",
-            metavar="NAME",
-        ),
+        arg("--model", "ground-motion model (default bommer-2022)", "NAME", default="bommer-2022"),
     ),
 )
 """Options of the commands that are about an address; `_address_of` reads them."""
@@ -157,7 +132,7 @@ def _catalogue(asked):
 
 def _draws(help_, **more):
     """The option of how many lives are drawn."""
-    draws = arg("--draws", help_, type=number_from(2, 10000, int), metavar="N", **more)
+    draws = arg("--draws", help_, "N", number_from(2, 10000, int), **more)
     return group("lives", draws)
 
 
@@ -170,45 +145,39 @@ def _draw_options(within, strong):
     """The group of options of how lives are drawn, with these defaults."""
     return group(
         "lives",
-        arg(
-            "--seed",
-            "of the draws (default 0)",
-            type=number_from(0, 2**31, int),
-            default=0,
-            metavar="N",
-        ),
+        arg("--seed", "of the draws (default 0)", "N", number_from(0, 2**31, int), default=0),
         arg(
             "--above",
             "PGV from which an event is part of a life (default 8); the largest always is",
+            "MM_S",
+            number_from(0.01, 1000),
             dest="above_mm_s",
-            type=number_from(0.01, 1000),
             default=8.0,
-            metavar="MM_S",
         ),
         arg(
             "--within",
             f"stations whose records are used (default {within:g} km from the epicentre)",
+            "KM",
+            number_from(0.1, 1000),
             dest="within_km",
-            type=number_from(0.1, 1000),
             default=within,
-            metavar="KM",
         ),
         arg(
             "--scale-to",
             "what records are scaled to: the drawn PGV "
             "(default), or the spectral acceleration at 0.2 s that it implies",
+            "pgv|sa",
             default="pgv",
-            metavar="pgv|sa",
         ),
         arg(
             "--strong",
             "shares of the Arias "
             "intensity that a record's window leaves out at its start and end (default "
             f"{strong[0]:g} {strong[1]:g}; 0 0: longer windows, which crack more walls)",
+            "SHARE",
+            float,
             nargs=2,
-            type=float,
             default=strong,
-            metavar="SHARE",
         ),
     )
 
@@ -218,16 +187,16 @@ _RUN_OPTIONS = group(
     arg(
         "--rest",
         "free vibration after each event (default 0.2), before the damped stage",
-        type=number_from(0, 100),
+        "S",
+        number_from(0, 100),
         default=0.2,
-        metavar="S",
     ),
     arg(
         "--strength-cov",
         "scatter of the joints' strengths (default 0.3)",
-        type=number_from(0, 2),
+        "COV",
+        number_from(0, 2),
         default=0.3,
-        metavar="COV",
     ),
     arg(
         "--inputs",
@@ -236,18 +205,18 @@ _RUN_OPTIONS = group(
         choices=("given", "tested", "typical"),
         default="typical",
     ),
-    arg("--settle", "settlement of the ground before the first event", metavar="PROFILE|FILE.csv"),
-    arg("--distortion", "of a named profile", metavar="1/500"),
+    arg("--settle", "settlement of the ground before the first event", "PROFILE|FILE.csv"),
+    arg("--distortion", "of a named profile", "1/500"),
 )
 _BATCH_OPTIONS = group(
     "batch",
     arg(
         "-j",
         "processes (default: one a core)",
+        "N",
+        number_from(1, 9999, int),
         dest="jobs",
-        type=number_from(1, 9999, int),
         default=os.cpu_count(),
-        metavar="N",
     ),
     flag("--remake", "make runs again that another version made"),
 )
@@ -392,14 +361,8 @@ def _make_claim(asked):
     "a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step;"
     " it listens on the loopback interface alone and writes below --out only (needs Flask:"
     " pip install .[groningen], or Debian's python3-flask)",
-    arg(
-        "--port",
-        "of the page (default: a free one)",
-        type=number_from(0, 65535, int),
-        default=0,
-        metavar="N",
-    ),
-    arg(
+    arg("--port", "of the page (default: a free one)", "N", number_from(0, 65535, int), default=0),
+    flag(
         "--no-browser",
         "print the page's address, open no browser",
         dest="opened",

@@ -84,15 +84,15 @@ register(
                 "--event",
                 "one earthquake of the catalogue, like 2012-08-16, instead of a life: a record"
                 " scaled to its median PGV at the address; with --life to the PGV drawn there",
-                type=str,
-                metavar="DATE",
+                "DATE",
+                str,
             ),
             arg(
                 "--life",
                 "number of the life: by it motions are "
                 "drawn and, where --strength-cov or --inputs is given, the wall",
-                type=number_from(1, MOST_SEED, int),
-                metavar="N",
+                "N",
+                number_from(1, MOST_SEED, int),
             ),
         ),
         _fields,

@@ -52,15 +52,15 @@ def _demo(asked):
     arg(
         "--window",
         "part of the run (default: all of it, or of a long one what is around its maximum DI)",
+        ("T0_S", "T1_S"),
+        float,
         nargs=2,
-        type=float,
-        metavar=("T0_S", "T1_S"),
     ),
     arg(
         "--magnify",
         "on displacements (default: what makes them visible)",
-        type=number_from(0, 1e6),
-        metavar="FACTOR",
+        "FACTOR",
+        number_from(0, 1e6),
     ),
     examples=("run.h5", "run.h5 --window 1 2 --magnify 200 --out run.mp4"),
 )
@@ -109,13 +109,13 @@ def _export(asked):
     ),
     group(
         "words",
-        arg("--title", "of the report (default: what ran)", metavar="WORDS"),
-        arg("--author", "who wrote it, below the title", metavar="NAME"),
+        arg("--title", "of the report (default: what ran)", "WORDS"),
+        arg("--author", "who wrote it, below the title", "NAME"),
         arg(
             "--text",
             "what it begins with, as what was asked and what follows; blank "
             "lines separate paragraphs",
-            metavar="WORDS",
+            "WORDS",
         ),
         arg(
             "--language",

@@ -67,30 +67,30 @@ def _study_schema(asked):
             "column of summary.csv with a number above zero in "
             "every run (default: that of the study file, else sa_eigen_period_g; PGA is "
             "record_pga_g, one value for all walls)",
-            metavar="COLUMN",
+            "COLUMN",
         ),
         arg(
             "--state",
             'damage state, a column of summary.csv and the level that it exceeds, as "moderate:'
             ' max_psi > 2"; may be repeated (default: those of the study file, else levels of'
             " DI, crack width and Psi)",
+            "STATE",
             action="append",
             dest="states",
-            metavar="STATE",
         ),
         arg(
             "--at",
             "also print the probability at these intensities, with its intervals",
-            type=number_from(1e-12, 1e12),
+            "X",
+            number_from(1e-12, 1e12),
             nargs="+",
-            metavar="X",
         ),
         arg(
             "--replicates",
             "bootstrap samples (default 500)",
-            type=number_from(0, 100_000, int),
+            "N",
+            number_from(0, 100_000, int),
             default=500,
-            metavar="N",
         ),
     ),
     out("folder for tables and pictures"),
