@@ -48,15 +48,7 @@ def _materials(asked):
     group(
         "model",
         UNITS,
-        *arguments_of(
-            ModelOptions,
-            "lintel",
-            "top",
-            "load",
-            "cells",
-            "contacts",
-            "bricks",
-        ),
+        *arguments_of(ModelOptions, "lintel", "top", "load", "cells", "contacts", "bricks"),
         ACCEPTING,
     ),
     JSON,

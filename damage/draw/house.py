@@ -15,13 +15,7 @@ from matplotlib.colors import to_rgb
 
 from damage.draw import run, style
 from damage.draw.panels import PAGE_WIDTH, from_zero, grid, letter
-from damage.draw.wall import (
-    line_width,
-    shape_at,
-    visible,
-    widest_line,
-    widths,
-)
+from damage.draw.wall import line_width, shape_at, visible, widest_line, widths
 from damage.history.in_space import InSpace
 from damage.history.info import origin
 from damage.history.moments import (

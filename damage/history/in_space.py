@@ -102,10 +102,7 @@ class InSpace:
         along, up, turn = motion_of(history, snapshot).T
         across, about_along, about_up = history.house.out_of_plane[snapshot].astype(float).T
         vectors = np.stack(
-            [
-                np.column_stack([along, across, up]),
-                np.column_stack([about_along, -turn, about_up]),
-            ],
+            [np.column_stack([along, across, up]), np.column_stack([about_along, -turn, about_up])],
             axis=1,
         )
         motion = history.placing.turned(history.house.body_wall, vectors)

@@ -165,7 +165,7 @@ ACTIVE = {
         "index of joints",
         "contact points in the order in which they became active: row k is of column k of `frames`",
         "i4",
-    ),
+    )
 }
 FRAMES = {
     "opening_m": Column(
@@ -269,7 +269,7 @@ STRESSES = {
         "only with `--stresses`: normal stress, tension positive, and shear stress, signed "
         "as `slip_m`, of each contact point: its force over its area",
         "f4",
-    ),
+    )
 }
 STATIC_STAGE = {
     "time_s": Column("s", "since the start of the static stage, every 500 steps"),

@@ -117,8 +117,7 @@ def _times(record, factor, inputs):
     """A record with the fields of {field: input} times their factors; what is None stays so."""
     values = {name: getattr(record, name) for name in inputs}
     return replace(
-        record,
-        **{name: factor[inputs[name]] * value for name, value in values.items() if value},
+        record, **{name: factor[inputs[name]] * value for name, value in values.items() if value}
     )
 
 

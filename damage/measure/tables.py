@@ -24,13 +24,7 @@ from damage.index import COMPONENTS
 from damage.measure.cycles import CYCLES, SHOCKS, cycles_table, shocks_table
 from damage.measure.damage_index import SLIP, STOREYS, index_by_all, index_columns, storeys_table
 from damage.measure.house import CORNERS, WALLS, corners_table, walls_table
-from damage.measure.joint_stress import (
-    MOMENTS,
-    SECTIONS,
-    STRESSES,
-    sections_table,
-    stresses_table,
-)
+from damage.measure.joint_stress import MOMENTS, SECTIONS, STRESSES, sections_table, stresses_table
 from damage.measure.summary import flat_summary
 from damage.motion.intensity import APPLIED
 from damage.provenance import measures_digest

@@ -84,16 +84,8 @@ FORMATS = (
     ),
     Format("Kinemetrics EVT", r"KMI", _OBSPY),
     Format("SEG-Y", r"C 1 CLIENT|\xc3\x40\xf1", _OBSPY),
-    Format(
-        "HDF5, as ASDF",
-        r"\x89HDF",
-        f"read it with the program that wrote it, and {_CSV}",
-    ),
-    Format(
-        "MATLAB",
-        r"MATLAB \d",
-        f"read it with scipy.io.loadmat, and {_CSV}",
-    ),
+    Format("HDF5, as ASDF", r"\x89HDF", f"read it with the program that wrote it, and {_CSV}"),
+    Format("MATLAB", r"MATLAB \d", f"read it with scipy.io.loadmat, and {_CSV}"),
     Format("NumPy", r"\x93NUMPY", f"read it with numpy.load, and {_CSV}"),
     Format(
         "spreadsheet or ZIP", r"PK\x03\x04|\xd0\xcf\x11\xe0", "unpack it, or save the sheet as CSV"

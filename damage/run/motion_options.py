@@ -74,9 +74,7 @@ MOTION_GROUPS = {
             type_=int,
         ),
         file_arg(
-            "--record",
-            "FILE",
-            "recorded ground motion, in a format of docs/guides/own-record.md",
+            "--record", "FILE", "recorded ground motion, in a format of docs/guides/own-record.md"
         ),
         *PREPARATION,
         file_arg("--vertical", "FILE", "the record's vertical component"),
@@ -179,16 +177,7 @@ _BELONGS = {
     ),
     "sequence": ("harmonic", "record"),
     **dict.fromkeys(
-        (
-            "unit",
-            "sample_step",
-            "scale",
-            "window",
-            "vertical",
-            "across",
-            "baseline",
-            "band",
-        ),
+        ("unit", "sample_step", "scale", "window", "vertical", "across", "baseline", "band"),
         ("record",),
     ),
 }
@@ -311,9 +300,6 @@ def recorded(parsed):
         record,
         **others,
         **_given(
-            scale=parsed.scale,
-            window_s=window,
-            baseline_order=parsed.baseline,
-            band_hz=parsed.band,
+            scale=parsed.scale, window_s=window, baseline_order=parsed.baseline, band_hz=parsed.band
         ),
     )

@@ -85,7 +85,7 @@ _GROUPS = MOTION_GROUPS | {
             "start from the end of this run of the same wall, as if it had continued; in "
             "YADE one with --checkpoint",
         ),
-    ),
+    )
 }
 """{title: arguments} of the groups of a run's options that every solver has, PAST the last of
 them."""

@@ -40,15 +40,7 @@ from damage.toml_file import DRAFT, read_toml
 from damage.wall.floors import Floor
 from damage.wall.lintels import KINDS_OF_LINTELS, Lintel
 from damage.wall.materials import FORMATS, MATERIALS, masonry
-from damage.wall.parameters import (
-    LISTS,
-    NO_COHESION,
-    Brick,
-    Joint,
-    Opening,
-    Wall,
-    brick_of_masonry,
-)
+from damage.wall.parameters import LISTS, NO_COHESION, Brick, Joint, Opening, Wall, brick_of_masonry
 
 MOST_MB = 1
 _NUMBER = {"type": "number"}

@@ -266,10 +266,7 @@ def draws_report(histories, to=None):
             )
         model = history.model
         seeds = history.parameters
-        draw = (
-            model.draws and model.strength_seed,
-            seeds.get("scatter") and seeds.get("seed"),
-        )
+        draw = (model.draws and model.strength_seed, seeds.get("scatter") and seeds.get("seed"))
         if draw in drawn:
             raise InputError(
                 f"{history.path}: the same draw of the wall as {drawn[draw]}; expected "

@@ -5,11 +5,7 @@ import re
 import sys
 from pathlib import Path
 
-from damage.applications.groningen.exposure.catalogue import (
-    SHIPPED,
-    with_later,
-    write_catalogue,
-)
+from damage.applications.groningen.exposure.catalogue import SHIPPED, with_later, write_catalogue
 from damage.applications.groningen.exposure.exposure import describe as describe_exposure
 from damage.applications.groningen.exposure.lives import KEYS, draws_of
 from damage.arguments import arg, file_arg, flag, group, number_from

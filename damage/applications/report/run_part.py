@@ -211,9 +211,7 @@ def _moving_wall(history, chosen):
     states = np.array([joint_states(history, sample) for sample in chosen])
     ever = np.flatnonzero((states != JOINT_STATES.index("intact")).any(axis=0))
     width = np.hypot(
-        history.opening_m[chosen][:, ever],
-        history.offset_m[chosen][:, ever],
-        dtype=float,
+        history.opening_m[chosen][:, ever], history.offset_m[chosen][:, ever], dtype=float
     )
     near = [nearest_snapshot(history, time) for time in history.time_s[chosen]]
     still = np.zeros((len(history.bodies), 3))

@@ -20,11 +20,7 @@ from damage.applications.studies.fragility_picture import fragility_pictures
 from damage.applications.studies.plan import unfinished
 from damage.applications.studies.read import read_table
 from damage.applications.studies.spread import repeated
-from damage.applications.studies.states import (
-    INTENSITIES,
-    STUDY_FILE,
-    column_words,
-)
+from damage.applications.studies.states import INTENSITIES, STUDY_FILE, column_words
 from damage.draw.run import wall_picture
 from damage.draw.words import record_label, wall_words
 from damage.errors import InputError

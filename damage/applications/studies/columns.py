@@ -109,11 +109,7 @@ AT = _STATE | {
     },
     **{
         f"new_record_{end}": Column("1", f"{bound} of a new record's own probability")
-        for end, bound in (
-            ("low", "lower bound"),
-            ("median", "median"),
-            ("high", "upper bound"),
-        )
+        for end, bound in (("low", "lower bound"), ("median", "median"), ("high", "upper bound"))
     },
     "new_record": Column(
         "1",

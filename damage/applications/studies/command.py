@@ -46,9 +46,7 @@ def parse(words):
         description="Run a study: simulations, tables, pictures.  What is done is not done again.",
     )
     parser.add_argument(
-        "study",
-        metavar="STUDY",
-        help="a study file (.toml), or the name of one that ships",
+        "study", metavar="STUDY", help="a study file (.toml), or the name of one that ships"
     )
     parser.add_argument(
         "-j",

@@ -9,12 +9,7 @@ from matplotlib.patches import Patch
 
 from damage.applications.studies.fragility import exceeding, few_note
 from damage.applications.studies.new_record import CONFIDENCE
-from damage.applications.studies.states import (
-    LEVELS,
-    label,
-    leading,
-    unit_of,
-)
+from damage.applications.studies.states import LEVELS, label, leading, unit_of
 from damage.draw.panels import finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, put_title, styled
 from damage.draw.words import record_label
@@ -83,11 +78,7 @@ def fragility_picture(wall, runs, fits, intensity=None):
         for kind, (alpha, text) in _BANDS.items()
         if any(kind in kinds for kinds in drawn)
     ]
-    return finish(
-        figure,
-        [*_fit_handles(), *bands],
-        columns=2,
-    )
+    return finish(figure, [*_fit_handles(), *bands], columns=2)
 
 
 def _panel(ax, x, runs, fits, intensity):
@@ -117,13 +108,7 @@ def _fit_handles():
     return [
         Line2D([], [], color="0.3", label="lognormal fit to all records"),
         Line2D(
-            [],
-            [],
-            color="0.3",
-            marker="o",
-            ls="",
-            ms=3,
-            label="share of the runs at one intensity",
+            [], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity"
         ),
     ]
 
@@ -138,10 +123,7 @@ def draw_shares(ax, exceed, intensity, style):
 def _bands(fit, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that a Fragility has."""
     new = fit.new_record
-    bands = {
-        "new record": new.bounds(x) if new else None,
-        "mean curve": fit.bounds(x),
-    }
+    bands = {"new record": new.bounds(x) if new else None, "mean curve": fit.bounds(x)}
     return {kind: bounds for kind, bounds in bands.items() if bounds is not None}
 
 

@@ -126,10 +126,7 @@ def _options():
         if name not in definition.RESERVED_OPTIONS
     }
     properties = {
-        name.removeprefix("--"): {
-            "description": action.help,
-            **_varied(_option(action)),
-        }
+        name.removeprefix("--"): {"description": action.help, **_varied(_option(action))}
         for name, action in actions.items()
     }
     return {

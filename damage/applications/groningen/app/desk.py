@@ -211,16 +211,7 @@ class Desk:
 
     # --- runs -------------------------------------------------------------------------------------
 
-    def start(
-        self,
-        latitude,
-        longitude,
-        settle,
-        distortion,
-        draws,
-        language,
-        units=BRICKS,
-    ):
+    def start(self, latitude, longitude, settle, distortion, draws, language, units=BRICKS):
         """Begin, or continue, the runs of the claim: `python3 -m damage claim` in a process of its
         own."""
         if self.job.running:
