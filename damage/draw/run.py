@@ -16,7 +16,7 @@ from damage.draw import style
 from damage.draw.panels import from_zero, letter
 from damage.draw.wall import DRAWN, WallShape, legend_widths_mm, line_width, wall_shape
 from damage.errors import InputError
-from damage.history.moments import check_samples, choose_sample, choose_samples
+from damage.history.moments import check_samples, choose_sample, choose_samples, nearest
 from damage.history.reader import History
 from damage.history.schema import is_moving
 from damage.index import THRESHOLD
@@ -532,7 +532,7 @@ def hysteresis_picture(history: History) -> Figure:
                 label="push" if name == "motion" and pushed else name,
             )
     if history.collapsed_at_s is not None:
-        sample = int(np.argmin(np.abs(history.time_s - history.collapsed_at_s)))
+        sample = nearest(history.time_s, history.collapsed_at_s)
         ax.plot(
             drift[sample],
             shear_kn[sample],

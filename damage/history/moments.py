@@ -73,7 +73,7 @@ def _sample_of(history, moment):
             f"--at {moment}: expected rest, max, end or a time [s] from {times[0]:g} to"
             f" {times[-1]:g}; choose another"
         )
-    return int(np.argmin(np.abs(times - time_s)))
+    return nearest(times, time_s)
 
 
 def spans_of(time_s: np.ndarray, chosen: np.ndarray) -> list[list[float]]:
@@ -90,6 +90,15 @@ def spans_of(time_s: np.ndarray, chosen: np.ndarray) -> list[list[float]]:
     ]
 
 
+def nearest(times: np.ndarray, time_s: float) -> int:
+    """Index of the nearest of times (n,) to a time [s].
+
+    >>> nearest(history.time_s, 0.051)
+    5
+    """
+    return int(np.argmin(np.abs(times - time_s)))
+
+
 def nearest_snapshot(history: History, time_s: float) -> int | None:
     """Index of the snapshot nearest to a time, None where none is near.
 
@@ -99,17 +108,17 @@ def nearest_snapshot(history: History, time_s: float) -> int | None:
     times = history.snapshot_time_s
     if len(times) == 0:
         return None
-    nearest = int(np.argmin(np.abs(times - time_s)))
+    snapshot = nearest(times, time_s)
     # Slow tests take their snapshots further apart than the shaking of a wall does.
     near = max(NEAR_S, float(np.median(np.diff(times)))) if len(times) > 1 else NEAR_S
-    return nearest if abs(times[nearest] - time_s) <= near else None
+    return snapshot if abs(times[snapshot] - time_s) <= near else None
 
 
 def support_motion(history: History, snapshot: int | None) -> SupportMotion | None:
     """SupportMotion at a snapshot, None for the end of the static stage."""
     motion = np.zeros((len(history.supports), 3))
     if snapshot is not None and len(history.series):
-        sample = np.argmin(np.abs(history.time_s - history.snapshot_time_s[snapshot]))
+        sample = nearest(history.time_s, history.snapshot_time_s[snapshot])
         motion = history.support_displacement[sample].astype(float)
     supports = history.supports
     return SupportMotion(supports["left_m"].to_numpy(), supports["right_m"].to_numpy(), motion)

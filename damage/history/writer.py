@@ -349,7 +349,7 @@ def growing_columns(layout, parameters):
     }
     sizes = {
         "joints": layout.n_joints,
-        "bodies": len(layout.bodies),
+        "bodies": layout.n_bodies,
         "supports": len(layout.supports),
         "active": 0,
         "walls": len(layout.walls),

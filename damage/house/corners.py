@@ -15,7 +15,7 @@ from damage.wall.kinds import BED, GROUND, HEAD, TINY
 def makes_room_for(layout, one, other, kind):
     """The body of another wall for which each makes room (n_bodies,), GROUND of those that stay;
     kind: of their corner, None without one."""
-    dropped = np.full(len(layout.bodies), GROUND)
+    dropped = np.full(layout.n_bodies, GROUND)
     house = layout.house
     walls = layout.house.walls
     where = f"house {house.name}, walls {house.names[one]} and {house.names[other]}"

@@ -84,7 +84,7 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     met = {
         tuple(sorted(map(house.names.index, corner.walls))): corner.kind for corner in house.corners
     }
-    making_room = np.full(len(layout.bodies), GROUND)
+    making_room = np.full(layout.n_bodies, GROUND)
     for pair in combinations(range(len(parts)), 2):
         making_room = np.maximum(making_room, makes_room_for(layout, *pair, met.get(pair)))
     layout = without(with_loads(layout, making_room), making_room >= 0)

@@ -75,7 +75,7 @@ def joint_stiffness(
         for stiffness in (across, along, along)[: len(rows)]
     ]
     return sum_of_products(
-        len(layout.bodies),
+        layout.n_bodies,
         np.hstack([ends[:, points]] * len(rows)),
         np.hstack([row[:, points] for row in rows]),
         np.hstack(weights),
@@ -99,7 +99,7 @@ def _stiffness(layout, free, massless=0.0, points=slice(None)):
     the diagonal; points: which contact points count."""
     joints = joint_stiffness(layout, points=points)
     diagonal = np.zeros(layout.rigid_mass.shape)
-    free = np.broadcast_to(free, (len(layout.bodies), joints.values.shape[1]))
+    free = np.broadcast_to(free, (layout.n_bodies, joints.values.shape[1]))
     if layout.wall.restraints:
         top = top_of(layout.wall)
         diagonal[:, 0] = _of_bearing(layout, top.at_rest if top and top.stiffness else 0.0)
@@ -144,7 +144,7 @@ def static_displacement(layout: Layout) -> np.ndarray:
 def _static_displacement(layout, weighing):
     # Joints carry differences of displacements, which rounding would spoil: the bits have to be
     # those of the solution.
-    free = mass_vector(layout).reshape(len(layout.bodies), -1) > 0
+    free = mass_vector(layout).reshape(layout.n_bodies, -1) > 0
     weight = np.zeros(free.shape)
     weight[:, 1] = -GRAVITY * np.frombuffer(weighing)
     return factorised(_stiffness(layout, free, massless=1.0)).solve(np.where(free, weight, 0.0))
@@ -213,7 +213,7 @@ def _natural_modes(layout, n_modes):
 
     matrix = stiffest = over_mass(stiffness_matrix(layout))
     if top and top.stiffness and not top.at_rest:  # beyond its play
-        bearing = np.zeros((len(layout.bodies), len(mass) // len(layout.bodies)))
+        bearing = np.zeros((layout.n_bodies, len(mass) // layout.n_bodies))
         bearing[:, 0] = _of_bearing(layout, top.stiffness)
         stiffest = matrix + diags(bearing.ravel()[free] * scale**2)
     start = np.ones(matrix.shape[0])  # a fixed start makes the result the same every time
@@ -238,7 +238,7 @@ def _natural_modes(layout, n_modes):
     return Modes(
         to_bits(2 * np.pi / np.sqrt(values[order])),
         np.stack(
-            [_scaled(shape, layout) for shape in shapes.reshape(n_modes, len(layout.bodies), -1)]
+            [_scaled(shape, layout) for shape in shapes.reshape(n_modes, layout.n_bodies, -1)]
         ),
         *(down_to_three_digits(2 / np.sqrt(rate)) for rate in (highest, masonry)),
     )
@@ -259,7 +259,7 @@ def first_mode(layout: Layout) -> np.ndarray:
     >>> first_mode(lay_out(Wall("pier", 0.9, 1.5))).shape
     (91, 3)
     """
-    mass = mass_vector(layout).reshape(len(layout.bodies), -1)
+    mass = mass_vector(layout).reshape(layout.n_bodies, -1)
     factor = factorised(_stiffness(layout, mass > 0, massless=1.0))
     shape = np.zeros(mass.shape)
     shape[:, layout.HORIZONTAL] = 1.0

@@ -104,7 +104,7 @@ class ReferenceSolver(ReferenceWall, Solver):
         totals = samples.totals[rows]
         moved = samples.displacement[rows]
         joints = self.active_contacts()
-        n = len(self.layout.bodies)
+        n = self.layout.n_bodies
         contacts = {
             name: values[rows] for name, values in self.contact_data(samples, joints).items()
         }
@@ -152,7 +152,7 @@ class ReferenceSolver(ReferenceWall, Solver):
 
     def forces(self):
         return (
-            self.force[: len(self.layout.bodies)],
+            self.force[: self.layout.n_bodies],
             hypot(*self.stresses) * self.system.contacts["area"],
         )
 

@@ -85,7 +85,7 @@ class ReferenceWall:
     def displacement(self):
         """Displacements and rotations since the wall was built, (n_bodies, 3) [m, m, rad]; can be
         assigned."""
-        return self.system.place[: len(self.layout.bodies), :RIGID].copy()
+        return self.system.place[: self.layout.n_bodies, :RIGID].copy()
 
     @displacement.setter
     def displacement(self, values):
@@ -95,7 +95,7 @@ class ReferenceWall:
     def place_bodies(self, values):
         """Set the displacements of the bodies, (n_bodies, 3) [m, m, rad], without updating
         forces."""
-        bodies = slice(len(self.layout.bodies))
+        bodies = slice(self.layout.n_bodies)
         self.system.place[bodies, :RIGID] = values
         angle = self.system.place[bodies, ROTATION]
         self.system.trig[bodies, 0] = -2 * sin(angle / 2) ** 2
@@ -104,18 +104,18 @@ class ReferenceWall:
     @property
     def velocity(self):
         """Velocities half a step ago, (n_bodies, 3) [m/s, m/s, rad/s]; can be assigned."""
-        return self.system.velocity[: len(self.layout.bodies), :RIGID].copy()
+        return self.system.velocity[: self.layout.n_bodies, :RIGID].copy()
 
     @velocity.setter
     def velocity(self, values):
         # rigid coordinates, or strain modes, too
         given = np.shape(values)[-1] if np.ndim(values) else None
-        self.system.velocity[: len(self.layout.bodies), :given] = values
+        self.system.velocity[: self.layout.n_bodies, :given] = values
 
     def add_static_displacement(self):
         """Move all coordinates by the linear static solution of the intact wall under its
         weight."""
-        self.system.place[: len(self.layout.bodies)] += static_displacement(self.layout)
+        self.system.place[: self.layout.n_bodies] += static_displacement(self.layout)
         self.displacement = self.displacement  # and what follows from it
 
     @property
@@ -269,7 +269,7 @@ class ReferenceWall:
                 bodies, coordinate
             ] = 0.0
         if self.mass:
-            prescribed = np.flatnonzero(self.system.inverse_mass[: len(self.layout.bodies)] == 0)
+            prescribed = np.flatnonzero(self.system.inverse_mass[: self.layout.n_bodies] == 0)
             self.mass = scaled_mass(
                 self.layout, self.time_step, self.mass.beta, prescribed.tolist(), self.mass.points
             )
@@ -279,7 +279,7 @@ class ReferenceWall:
         """Move bodies by a spreader beam from now on, first not at all: by forces in the ratio of
         shares (n_bodies,), whose sum is 1, so that the mean displacement of the bodies by these
         shares follows `push`."""
-        bodies = slice(len(self.layout.bodies))
+        bodies = slice(self.layout.n_bodies)
         self.system.turning[bodies, BEAM_SHARE] = shares
         place = float(total(shares * self.system.place[bodies, X]))
         self.system.beam[:] = (place, 0.0, 0.0)
@@ -302,7 +302,7 @@ class ReferenceWall:
         """Prescribe the velocity of the supports, (n_supports, 3) or (3,) [m/s, m/s, rad/s]; their
         work is input."""
         self._is_driven = True
-        self._prescribe((slice(len(self.layout.bodies), None), slice(RIGID)), velocity)
+        self._prescribe((slice(self.layout.n_bodies, None), slice(RIGID)), velocity)
 
     def prescribe_no_more(self):
         """Supports keep their velocity from here; a held top is followed from sample to sample all
@@ -322,7 +322,7 @@ class ReferenceWall:
     def support_force(self):
         """Forces of the wall on the supports, (n_supports, 3) [N, N, N m], moments about their
         reference points."""
-        return self.system.force[len(self.layout.bodies) :, :RIGID].copy()
+        return self.system.force[self.layout.n_bodies :, :RIGID].copy()
 
     def push_force(self):
         """Horizontal force on the held bodies by their prescribed motion [N]; NaN where none are

@@ -199,7 +199,7 @@ class Run:
         self._modal_velocity = (
             speed * first_mode(self.layout)
             if speed
-            else np.zeros_like(mass_vector(self.layout)).reshape(len(self.layout.bodies), -1)
+            else np.zeros_like(mass_vector(self.layout)).reshape(self.layout.n_bodies, -1)
         )
         if self._state is None:
             solver.set_velocities(0 * self._modal_velocity if settlement else self._modal_velocity)

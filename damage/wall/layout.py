@@ -168,6 +168,11 @@ class Layout:
     strain: Strain | None = None
 
     @property
+    def n_bodies(self) -> int:
+        """Number of all bodies."""
+        return len(self.bodies)
+
+    @property
     def n_below_caps(self) -> int:
         """Number of bricks, slabs and parts of lintels."""
         # bricks that are cut are more here

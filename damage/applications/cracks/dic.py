@@ -174,7 +174,7 @@ def points_of_bricks(points, layout, margin):
 def brick_motions(field, layout, margin=MARGIN):
     """Motions of the bricks of a Layout relative to the base, from the points of a Field."""
     bodies = layout.bodies
-    n = len(layout.bodies)
+    n = layout.n_bodies
     displacement = relative_to_base(field, margin)
     motion = np.full((n, 3), np.nan)
     n_points = np.zeros(n, int)

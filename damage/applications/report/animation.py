@@ -23,6 +23,7 @@ from damage.draw.run import THIN, draw_wall, joint_handles, show_all
 from damage.draw.wall import DRAWN, check_magnify, magnification, shape_at, wall_shape
 from damage.errors import InputError
 from damage.files import whole_or_nothing
+from damage.history.moments import nearest
 from damage.wall.geometry import body_corners
 
 
@@ -114,14 +115,14 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
             " a shorter one"
         )
     top = series["time_s"].iloc[int(history.largest_index.argmax())]
-    first = int(np.clip(np.argmin(np.abs(times - top)) - most // 2, 0, len(chosen) - most))
+    first = int(np.clip(nearest(times, top) - most // 2, 0, len(chosen) - most))
     return chosen[first : first + most]
 
 
 @style.styled
 def _shoot(history, snapshots, magnify, writer, path):
     times = history.time_s
-    samples = [int(np.argmin(np.abs(times - time))) for time in history.snapshot_time_s[snapshots]]
+    samples = [nearest(times, time) for time in history.snapshot_time_s[snapshots]]
     damage = history.largest_index
     figure, (above, below) = style.new_figure(1.0, rows=2, height_ratios=(5, 2))
     clock = above.set_title(" ", loc="left", fontsize=style.STYLE["font.size"])

@@ -16,6 +16,7 @@ from damage.history.info import info
 from damage.history.moments import (
     JOINT_STATES,
     joint_states,
+    nearest,
     nearest_snapshot,
     spans_of,
     support_motion,
@@ -326,7 +327,7 @@ def special_samples(history, index):
         *(np.argmax(np.abs(field).max(axis=1)) for field in (history.opening_m, history.offset_m)),
     ]
     moments = [history.collapsed_at_s, *history.events["time_s"][history.events["time_s"] >= 0][:1]]
-    samples += [np.argmin(np.abs(time_s - moment)) for moment in moments if moment is not None]
+    samples += [nearest(time_s, moment) for moment in moments if moment is not None]
     return np.array(samples)
 
 
