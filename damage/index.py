@@ -80,8 +80,7 @@ def damage_index(
     it.
     total_length: of all joints [m], given where inactive contact points are left out of the other
     arrays. Returns a DataFrame with time_s, DI_drift, DI_open, DI_slip, DI, and drift_over_limit,
-    which is
-    DI_drift before it was clipped to [0, 1].
+    which is DI_drift before it was clipped to [0, 1].
 
     >>> index = damage_index(
     ...     np.array([0.0, 0.1]),

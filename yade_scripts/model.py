@@ -12,8 +12,8 @@ from inside one brick, and the box of the other, with YADE's law of friction
 (Law2_ScGeom_FrictPhys_CundallStrack), whose forces act on both bricks in the same point.  The
 normal is that of the face.  It rotates with its brick, and does not change as the joint slides; the
 tip moves round a corner where it leaves the face.  The face belongs to either brick alternately
-along a joint.  A bond that softens follows the joint law (`bonds`).  Crushing
-moves the rest position of a bond, or reduces the radius of a tip (`crushing`).
+along a joint.  A bond that softens follows the joint law (`bonds`).  Crushing moves the rest
+position of a bond, or reduces the radius of a tip (`crushing`).
 """
 
 from itertools import starmap

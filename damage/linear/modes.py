@@ -2,9 +2,8 @@
 
 Every body has three degrees of freedom, (u_x, u_z, rotation), the rotation turning x towards z, and
 behind them the strain modes where bricks deform, or those out of the plane
-(`HouseLayout`).  A
-contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z + rotation r_x), and
-by the strain modes' displacements there.
+(`HouseLayout`).  A contact at the offset r from a body's centre moves by (u_x - rotation r_z, u_z +
+rotation r_x), and by the strain modes' displacements there.
 """
 
 import hashlib

@@ -145,8 +145,7 @@ SHOCKS = {
 
 def shocks_table(history: History) -> pd.DataFrame:
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
-    SHOCKS.  Residual values are None of an event without a settling
-    stage.
+    SHOCKS.  Residual values are None of an event without a settling stage.
 
     >>> len(shocks_table(history))
     1

@@ -4,8 +4,8 @@
 _cycles.csv, _static_stage.csv (the unbalanced force over it), for a sequence _shocks.csv, for a
 wall with floors _storeys.csv, with --stresses _stresses.csv and
 _sections.csv, and STEM_info.json, their origin; of a house STEM_walls.csv, STEM_corners.csv and
-those of each wall.  `python3 -m damage
-tables summary FILE.h5 ... --out FILE.csv` writes a row for each history.
+those of each wall.  `python3 -m damage tables summary FILE.h5 ... --out FILE.csv` writes a row for
+each history.
 """
 
 from dataclasses import asdict

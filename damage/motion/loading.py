@@ -89,9 +89,9 @@ class Loading:
     of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
     peak_g: largest acceleration of the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral
     acceleration at 0.2 s [g] of the base along the wall, None where unknown; record_pga_g: peak of
-    a record before it was interpolated for a wall [g]; lost_by_lines: of an
-    interpolated record, else None; moves: whether there is a motion at all. Every one has a name,
-    too, and as_dict(): everything that defines the motion, fit for JSON.
+    a record before it was interpolated for a wall [g]; lost_by_lines: of an interpolated record,
+    else None; moves: whether there is a motion at all. Every one has a name, too, and as_dict():
+    everything that defines the motion, fit for JSON.
 
     >>> swing = FreeVibration(top_velocity_m_s=0.01)
     >>> swing.name, swing.drive.first_mode_m_s, swing.length_s(2.7), swing.preferred_step_s(1e-4)

@@ -54,8 +54,7 @@ def read_sequence(path, rest_s, **preparation):
     Columns: record, the path of a record from the file's folder or the name or path of one that
     ships; component, for such a name without its end, as HGE of BGAR; unit and sample_step_s, of a
     text that does not say them (`read_record`); scale (1 where empty); start_s, end_s, the window
-    (whole
-    record where empty); rest_s (the given one where empty).  preparation: baseline_order and
+    (whole record where empty); rest_s (the given one where empty).  preparation: baseline_order and
     band_hz of all records. Raises InputError with the line where one of them cannot be.
     """
     table = read_csv(path, COLUMNS, ("record",), MOST_EVENTS)

@@ -25,11 +25,10 @@ class Instants(NamedTuple):
     joints: (n_active,) indices of the active contact points, or a slice; contacts: {column of the
     history's FRAMES: (n, n_active)} of these, zero in all others; a solver leaves out a column that
     it does not know; top_force_n: (n,) [N], NaN where nothing is held; energies, (n,) [J]: kinetic
-    and elastic, and those
-    that came in or were dissipated since `start`;
+    and elastic, and those that came in or were dissipated since `start`;
     damping_j: None where the solver does not compute it: the run then infers it from the balance;
-    joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear
-    stress of all contact points, signed as their slip, None of a solver without `with_stresses`;
+    joint_stress_pa: (n, n_joints, 2) normal stress, tension positive, and shear stress of all
+    contact points, signed as their slip, None of a solver without `with_stresses`;
     out_of_plane: (n, n_bodies, 3) of a house, displacement across its wall and rotations about the
     axes along it and upwards [m, rad, rad], None of a plane wall;
     failed_ties: (n,) number of a house's ties that have failed.

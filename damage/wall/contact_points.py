@@ -315,9 +315,8 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alon
 
 def _strength_factors(first, second, variation, seed):
     """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same
-    for
-    every placing of its contact points: (n_contacts,).  variation: their coefficient of variation
-    [-]."""
+    for every placing of its contact points: (n_contacts,).  variation: their coefficient of
+    variation [-]."""
     if variation == 0:
         return np.ones(len(first))
     joints, number = np.unique(

@@ -48,8 +48,7 @@ def compare(first: History, others: list[History]) -> dict:
     first, others: paths.  figures: {name: {"first", "median" and "range" of the others, "allowed",
     "agrees"}} of the measures of TOLERANCES.  drift, joints: `compare_drift` and `compare_joints`
     with the first of the others; patterns: `damage.applications.cracks.patterns.compare_patterns`;
-    slip: criterion of DI.  agrees: whether all
-    figures and the drift agree.
+    slip: criterion of DI.  agrees: whether all figures and the drift agree.
 
     Raises InputError where a history has no sample, they are of different walls, or some have a
     motion and some, as of ground that settles alone, have none.

@@ -2,10 +2,9 @@
 `docs/reference/crack-format.md`.
 
 A crack is one polyline or several.  The sizes and the mode in the row of a point hold from there to
-the
-next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, the mode says what it
-is:
-tension all opening, shear all slip; mixed and unknown leave both open, which is NaN here.
+the next point.  Width is sqrt(opening^2 + slip^2); where only the width is known, the mode says
+what it is: tension all opening, shear all slip; mixed and unknown leave both open, which is NaN
+here.
 """
 
 from dataclasses import dataclass, field
@@ -69,9 +68,8 @@ class CrackPattern:
 
     level: its number; drift_ratio: NaN where unknown;
     stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the
-    polyline
-    in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where they
-    cannot be distinguished), width_m, mode;
+    polyline in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where
+    they cannot be distinguished), width_m, mode;
     offset: of each stretch, 1 where its faces are seen to be offset, 0 where they are not, NaN
     where nobody says, None for NaN of all; detection_limit_m, width_error_m: width from which
     cracks are seen, largest error of a width (NaN where unknown); clear: (n, 4) [m], rectangles x,

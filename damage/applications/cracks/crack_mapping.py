@@ -6,8 +6,7 @@ the least
     distance / tolerance + sin^2(angle between piece and joint)
 
 and to none where that is 1 or more: it then runs through a brick, or beside the wall.  Its length
-counts on
-the joint as it was drawn; no joint is cracked over more than its own length.
+counts on the joint as it was drawn; no joint is cracked over more than its own length.
 
 Where only the width w of a crack is known, opening and slip each lie between 0 and w with
 w^2 = opening^2 + slip^2, and the index lies between two bounds (threshold t):
@@ -133,8 +132,7 @@ def describe_level(
 ):
     """The key numbers of one pattern and its MappedCracks, a dictionary: load_level, drift_pct
     (None where unknown), cracks, crack_length_m, unmapped_m, surplus_m, undecided_m, max_width_mm,
-    psi, psi_drawn, and
-    DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
+    psi, psi_drawn, and DI, DI_drift (None where unknown), DI_open, DI_slip, each [low, high].
 
     Cracks count as they were drawn, by the file's own labels: a straight line over bricks and
     joints is one.  Psi is that of the joints whose width reaches psi_from [m], as in

@@ -1,9 +1,8 @@
 """From a displacement field measured by digital image correlation (DIC) to cracks of the joints.
 
 A brick moves as a rigid body: its motion is fitted by least squares to the points inside it, and
-opening
-and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).  So
-tension and shear are distinguished, unlike in a picture of the cracks alone.
+opening and shear of its joints follow from the motions of both bricks (`damage.wall.kinematics`).
+So tension and shear are distinguished, unlike in a picture of the cracks alone.
 `docs/reference/crack-format.md` gives the file.
 
 What is measured is the whole displacement of a joint.  The elastic part cannot be taken off without
@@ -68,11 +67,9 @@ class Motions:
     """Rigid motions of the bricks.
 
     motion: (n_bodies, 3) displacement of the centres [m, m] and rotation [rad], NaN for a brick
-    with too
-    few points, 0 for caps; noise: standard deviation of a point's displacement component about the
-    rigid motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points [m]; spread:
-    (n_bodies,)
-    sum of their squared distances from it [m2].
+    with too few points, 0 for caps; noise: standard deviation of a point's displacement component
+    about the rigid motions [m]; n_points: (n_bodies,); centre: (n_bodies, 2) of a brick's points
+    [m]; spread: (n_bodies,) sum of their squared distances from it [m2].
     """
 
     motion: np.ndarray
@@ -102,8 +99,7 @@ class Measured:
 
 def read_field(path):
     """The fields of a DIC file, a list of Field in the order of the file; rows without
-    displacement, which
-    the correlation lost, are left out.  Raises InputError with the line."""
+    displacement, which the correlation lost, are left out.  Raises InputError with the line."""
     table = read_csv(path, REQUIRED | OF_LEVEL, REQUIRED)
     table.refuse_empty("x_m", "z_m")
     level = levels_of(table)
@@ -351,8 +347,7 @@ def patterns_of_fields(fields, measured, layout, threshold=THRESHOLD):
 
 def report(measured, layout):
     """What limits a measurement: noise_m of a point, opening_deviation_m (the median joint's, the
-    largest
-    of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m.
+    largest of the levels), unseen_m of joints (the most), elastic_opening_m, elastic_slip_m.
 
     The latter two are the most that elastic deformation adds: an intact joint opens by f_t / k_n; a
     closed one that slides is sheared by tan(phi) times the precompression over k_s.

@@ -3,13 +3,13 @@ intensity.
 
 The curve is lognormal, P(x) = Phi(ln(x / median) / dispersion), fitted by maximum likelihood to the
 number of runs that exceed the level at each intensity: J. W. Baker (2015), Efficient analytical
-fragility function fitting
-using dynamic structural analysis, Earthquake Spectra 31(1), doi:10.1193/021113EQS025M, equation
-(11).  It is the mean over the records.  Its bounds are percentiles over bootstrap samples, drawn
-anew with replacement, of the records and of the draws of the joints' strengths of one wall, each
-with all its runs; there are none of a single record or draw.  Samples drawn from few scatter less
-than new ones would, so they are stretched about the fit (`stretch`).  The interval for the curve of
-a new record is wider: `damage.applications.studies.new_record`.
+fragility function fitting using dynamic structural analysis, Earthquake Spectra 31(1),
+doi:10.1193/021113EQS025M, equation (11).  It is the mean over the records.  Its bounds are
+percentiles over bootstrap samples, drawn anew with replacement, of the records and of the draws of
+the joints' strengths of one wall, each with all its runs; there are none of a single record or
+draw.  Samples drawn from few scatter less than new ones would, so they are stretched about the fit
+(`stretch`).  The interval for the curve of a new record is wider:
+`damage.applications.studies.new_record`.
 
 A curve is given only where the runs determine it (`solve`).  The same holds for every bootstrap
 sample.  A sample that determines none is not left out, since an interval of the others alone would

@@ -44,10 +44,10 @@ an interval of ±10 of 100 takes."""
 @dataclass(frozen=True)
 class Claim:
     """What a claim is about: wall: its file, or the name of one that ships; address: {key of
-    `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file
-    of cracks; options: of each run; settlement: options of a settlement of known shape and size, {}
-    for none that is known; draws: their number, None for as many as the intervals or an answer
-    need; language: of the sheet; units: bricks and courses of a unit (`damage.house.coarser`)."""
+    `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file of cracks;
+    options: of each run; settlement: options of a settlement of known shape and size, {} for none
+    that is known; draws: their number, None for as many as the intervals or an answer need;
+    language: of the sheet; units: bricks and courses of a unit (`damage.house.coarser`)."""
 
     wall: str
     address: dict
