@@ -91,9 +91,9 @@ class YadeWall:
         material = material_of(layout.wall.joint)
         # share of its friction that a bond leaves
         intact = friction_left(False, material)
-        self._kept = 1.0
+        self._friction_left = 1.0
         if intact:
-            self._kept = friction_left(True, material) / intact
+            self._friction_left = friction_left(True, material) / intact
         self._material = parts.tip
         self.work = work
         # A head joint's shear is positive along z, where its normal lies along x; a bed joint's the
@@ -123,7 +123,7 @@ class YadeWall:
         may have set."""
         phys = self.physics[joint]
         return (
-            phys.tanFrictionAngle * self._kept
+            phys.tanFrictionAngle * self._friction_left
             if self.bonded[joint]
             else phys.tangensOfFrictionAngle
         )

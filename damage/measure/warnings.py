@@ -150,13 +150,11 @@ def warn_of_ends(history: History) -> list[str]:
     )
     count, row, sample = ended
     first = f"{count} joints ended, the first" if count > 1 else "1 joint ended,"
-    return [
-        f"{first} {_at(history, row, sample)}: its faces no longer overlap, it has no forces any"
-        f" more; {others}"
-    ]
+    where = _place_and_time(history, row, sample)
+    return [f"{first} {where}: its faces no longer overlap, it has no forces any more; {others}"]
 
 
-def _at(history, row, sample):
+def _place_and_time(history, row, sample):
     """Text: a contact point (row) and the time of a sample."""
     joint = history.joints.iloc[row]
     time_s = history.time_s[sample]

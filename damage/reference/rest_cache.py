@@ -22,7 +22,7 @@ class RestCache:
 
     def __init__(self):
         # {digest of all inputs of the static stage: (checkpoint, looks at the stage)}
-        self._kept = OrderedDict()
+        self._checkpoints = OrderedDict()
 
     def rest(self, prepared):
         """Rest of a Prepared run."""
@@ -30,19 +30,23 @@ class RestCache:
 
     def take(self, digest):
         """(checkpoint, looks) with this digest, None where there is none."""
-        if digest in self._kept:
-            self._kept.move_to_end(digest)
-        return self._kept.get(digest)
+        if digest in self._checkpoints:
+            self._checkpoints.move_to_end(digest)
+        return self._checkpoints.get(digest)
 
     def put(self, digest, tables, looks=()):
         """Add a checkpoint, {name: array}, and looks, and delete the oldest ones beyond
         MOST_BYTES."""
-        self._kept[digest] = tables, looks
+        self._checkpoints[digest] = tables, looks
         while (
-            sum(table.nbytes for tables, _ in self._kept.values() for table in tables.values())
+            sum(
+                table.nbytes
+                for tables, _ in self._checkpoints.values()
+                for table in tables.values()
+            )
             > MOST_BYTES
         ):
-            self._kept.popitem(last=False)
+            self._checkpoints.popitem(last=False)
 
 
 class Rest:
@@ -51,14 +55,14 @@ class Rest:
     def __init__(self, walls, digest):
         self._walls = walls
         self._digest = digest
-        self._found = walls.take(digest)
+        self._entry = walls.take(digest)
 
     def recall(self, solver):
         """Set a solver that has not moved to the end of its static stage; returns the looks at that
         stage, None where the cache lacks it."""
-        if self._found is None:
+        if self._entry is None:
             return None
-        tables, looks = self._found
+        tables, looks = self._entry
         solver.restore(tables)
         return looks
 

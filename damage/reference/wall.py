@@ -68,7 +68,7 @@ class ReferenceWall:
         self.cuts = cut_tables(layout, built.interfaces)
         self.mass = None if scaled is None else scaled_mass(layout, time_step, beta, points=scaled)
         self.lanes = Lanes([self], built)  # of the last step; sets `system`, too
-        self._held = None
+        self._pushed = None
         self._is_driven = False
         self._spreads = False
         self._active = (0, np.empty(0, int))
@@ -262,7 +262,7 @@ class ReferenceWall:
         m/rad]."""
         self.system.turning[bodies, SPRING_STIFFNESS] = stiffness
         self.system.turning[bodies, SPRING_REST] = self.system.place[bodies, ROTATION]
-        self._held = bodies
+        self._pushed = bodies
         self._is_driven = True
         for coordinate in (X, ROTATION) if rotation else (X,):
             self.system.inverse_mass[bodies, coordinate] = self.system.velocity[
@@ -283,7 +283,7 @@ class ReferenceWall:
         self.system.turning[bodies, BEAM_SHARE] = shares
         place = float(total(shares * self.system.place[bodies, X]))
         self.system.beam[:] = (place, 0.0, 0.0)
-        self._held = np.flatnonzero(shares)
+        self._pushed = np.flatnonzero(shares)
         self._is_driven = True
         self._spreads = True
 
@@ -293,10 +293,10 @@ class ReferenceWall:
         if self._spreads:
             self.system.beam["velocity"] = velocity
             return
-        old = self.system.velocity[self._held, X]
-        mass = self.layout.bodies.mass[self._held]
+        old = self.system.velocity[self._pushed, X]
+        mass = self.layout.bodies.mass[self._pushed]
         self.energy[tables.INPUT] += 0.5 * np.sum(mass * (velocity * velocity - old * old))
-        self._prescribe((self._held, X), velocity)
+        self._prescribe((self._pushed, X), velocity)
 
     def move_supports(self, velocity):
         """Prescribe the velocity of the supports, (n_supports, 3) or (3,) [m/s, m/s, rad/s]; their
@@ -307,7 +307,7 @@ class ReferenceWall:
     def prescribe_no_more(self):
         """Supports keep their velocity from here; a held top is followed from sample to sample all
         the same."""
-        self._is_driven = self._held is not None
+        self._is_driven = self._pushed is not None
 
     def _prescribe(self, which, velocity):
         """Set prescribed velocities; their work in the half step before now is that of the old ones
@@ -327,11 +327,11 @@ class ReferenceWall:
     def push_force(self):
         """Horizontal force on the held bodies by their prescribed motion [N]; NaN where none are
         held."""
-        if self._held is None:
+        if self._pushed is None:
             return np.nan
         if self._spreads:
             return float(self.system.beam["force"][0])
-        return -float(self.system.force[self._held, X].sum())
+        return -float(self.system.force[self._pushed, X].sum())
 
     # --- results --------------------------------------------------------------------------------
 

@@ -125,10 +125,10 @@ def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
     tables = {"place": np.zeros(1), "velocity": np.zeros(1)}
     for name in "abc":
         kept.put(name, tables)
-    assert list(kept._kept) == ["b", "c"]
+    assert list(kept._checkpoints) == ["b", "c"]
     kept.take("b")
     kept.put("d", tables)
-    assert list(kept._kept) == ["b", "d"]
+    assert list(kept._checkpoints) == ["b", "d"]
 
 
 def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, monkeypatch, capsys):

@@ -138,7 +138,7 @@ def _measured(history, to=None):
     )
 
 
-def _words(name, to):
+def _title(name, to):
     return FIGURES[name][0].format(
         "the ultimate drift" if to is None else f"{100 * to:.3g} % drift"
     )
@@ -154,7 +154,7 @@ def figures(history, to=None):
     shares = means["failure"]
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
-        title = _words(name, to) + (
+        title = _title(name, to) + (
             ", not reached: over" if name == "ultimate_drift" and not means["ended"] else ""
         )
         rows.append(
@@ -282,7 +282,7 @@ def draws_report(histories, to=None):
         low, middle, high = drawn_range(values) if whole else [None] * 3
         rows.append(
             {
-                "figure": _words(name, to),
+                "figure": _title(name, to),
                 "unit": unit,
                 "median": middle,
                 "quantile_05": low,

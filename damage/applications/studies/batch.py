@@ -147,7 +147,7 @@ class Batch:
 
         file: open file of records; inputs: {StudyRun: (key of its inputs, these as JSON)}.
         """
-        self._said = time.monotonic()
+        self._last_report = time.monotonic()
         self._paces = {solver: Pace() for solver in sorted({run.solver for run in self.runs})}
 
         def follow(task, record):
@@ -237,9 +237,9 @@ class Batch:
     def _watch(self, shares):
         """Say now and then how far the runs are; shares: as of Pool."""
         lefts = [self._left_s(solver, shares) for solver in self._paces]
-        if time.monotonic() < self._said + WATCH_S:
+        if time.monotonic() < self._last_report + WATCH_S:
             return
-        self._said = time.monotonic()
+        self._last_report = time.monotonic()
         runs = sum(point.run.runs_needed(point.records) for point in self.points.values())
         share = 100 * (self._runs_done + sum(shares.values())) / runs
         left_s = None if None in lefts else sum(lefts)

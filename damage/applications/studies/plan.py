@@ -22,7 +22,7 @@ def print_plan(study, folder, remake=False):
     """
     results = Results(folder)
     verdict = results.judge(study.runs)
-    present = _there(results, verdict, remake)
+    present = _present(results, verdict, remake)
     left = [run for run in study.runs if not present[run]]
     fewest = sum(run.members for run in left)
     most = sum(run.most_members for run in left)
@@ -76,7 +76,7 @@ def unfinished(folder):
     )
 
 
-def _there(results, verdict, remake):
+def _present(results, verdict, remake):
     """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
     lost = {*verdict.models, *verdict.measures} if remake else set()
     present = {}

@@ -106,7 +106,7 @@ class Group:
         self._tasks = {}
         self.histories = {}
         self._shares = {}
-        self._said = time.monotonic()
+        self._last_message = time.monotonic()
 
     def lines(self):
         """(name, run) of the next runs, as `run_references` takes them; (None, None) where there is
@@ -136,8 +136,8 @@ class Group:
     def watch(self, name, share):
         """Send now and then which share of each run is simulated."""
         self._shares[name] = share
-        if time.monotonic() > self._said + SHARES_S:
-            self._said = time.monotonic()
+        if time.monotonic() > self._last_message + SHARES_S:
+            self._last_message = time.monotonic()
             under_way = self._shares.keys() & self._tasks.keys()
             self._connection.send((None, None, {task: self._shares[task] for task in under_way}))
 
