@@ -86,7 +86,7 @@ def wall_picture(
     """
     shape = wall_shape(history, sample, magnify)
     figure, ax = style.new_figure(1.0)
-    return _with_words(
+    return _with_title_and_legend(
         figure,
         draw_wall(ax, shape),
         history,
@@ -119,7 +119,7 @@ def plot_wall(
     return shape
 
 
-def _with_words(figure, ratio, history, lines, handles):
+def _with_title_and_legend(figure, ratio, history, lines, handles):
     """Fit the figure of a wall to its axes (ratio: height over width), and add title lines and a
     legend."""
     labels = 0.45  # [inch] that ticks and labels take beside and below
@@ -176,7 +176,7 @@ def heap_picture(history: History) -> Figure:
         for _, face, edge, label in layers
         if label
     ]
-    return _with_words(
+    return _with_title_and_legend(
         figure,
         show_all(ax, before, now),
         history,
@@ -226,7 +226,7 @@ def contact_force_picture(history: History, moment: str | float = "max") -> Figu
         style.line_handle(style.BLACK, "middle third", 0.5, ":"),
     ]
     time_s = history.time_s[sample]
-    return _with_words(
+    return _with_title_and_legend(
         figure,
         show_all(ax, corners),
         history,
