@@ -83,13 +83,12 @@ def open_wall(wall, engines, options):
     from damage.provenance import shown_path
     from damage.run.options import settings_of
     from damage.wall.file import wall_path
-    from damage.wall.parameters import Wall
     from yade_scripts.backend import backend_with
     from yade_scripts.leaving import close_with_a_word
     from yade_scripts.opened import engines_beside, open_scene
 
     close_with_a_word()
-    file = "" if isinstance(wall, Wall) else wall_path(wall)
+    file = wall_path(wall) if isinstance(wall, str | Path) else ""
     given = {"pictures": False, "quiet": True} | options
     settings = settings_of(
         given, f"yade, open_scene of {shown_path(file) if file else wall.name}:", "yade"
