@@ -15,12 +15,13 @@ MILLIMETRE = 1e-3
 
 
 def rounded(value, digits):
-    """A number as text with so many significant digits, never with an exponent.
+    """A number as text with so many significant digits, six decimals at most, never with an
+    exponent.
 
-    >>> rounded(10.037, 2), rounded(0.14562, 3), rounded(12345.6, 3), rounded(0.0, 2)
+    >>> rounded(10.037, 2), rounded(0.14562, 3), rounded(12345.6, 3), rounded(-1.7e-10, 3)
     ('10', '0.146', '12300', '0')
     """
     if not math.isfinite(value):
         return str(value)
-    exact = Decimal(f"{value:.{digits - 1}e}")
+    exact = Decimal(f"{round(value, 6):.{digits - 1}e}")
     return f"{exact:f}" if exact else "0"

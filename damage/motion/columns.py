@@ -30,7 +30,7 @@ g."""
 
 COLUMNS = {"time": Column("s", "of a sample"), "acceleration": Column("as named", "of the ground")}
 EXPECTED_HEADER = (
-    "two columns, separated as the rows: time_s and one of "
+    "two columns, separated as the rows: time_s, then one of "
     + ", ".join(f"acc_{unit}" for unit in UNITS_M_S2)
     + ', or with units in brackets, as "time [s]" and "acc [cm/s2]"'
 )

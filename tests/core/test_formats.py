@@ -235,6 +235,7 @@ REFUSED = {
     "acc_g\n0\n1\n": "line 2: '0' has one column",
     "time_s,acc_counts\n0,1\n0.01,2\n": "is an unknown header",
     "time_s;acc_g\n0,1\n0.01,2\n": "line 1: 'time_s;acc_g' is an unknown header",
+    "acc_g,time_s\n0,1\n0.01,2\n": "expected two columns, separated as the rows: time_s, then",
     "time_ms,acc_g\n0,1\n5,2\n": "expected two columns, separated as the rows: time_s",
     "Time (s);Acc X (cm/s2);Acc Y (cm/s2)\n0,00;1;2\n0,01;1;2\n": (
         "is an unknown header; expected two columns"

@@ -256,8 +256,8 @@ class Batch:
                 continue
             cost = cost_of(point.run)
             drawing = DRAWING * point.pictures
-            made = (cost + RUN) * len(point.records) + drawing * point.is_drawn
-            made += cost * sum(part for task, part in shares.items() if task.point is point.run)
+            begun = sum(part for task, part in shares.items() if task.point is point.run)
+            made = (cost + RUN) * (len(point.records) + begun) + drawing * point.is_drawn
             done += made
             least += (cost + RUN) * point.run.runs_needed(point.records) + drawing - made
             most += (cost + RUN) * point.run.runs_at_most(point.records) + drawing - made

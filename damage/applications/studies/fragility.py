@@ -580,7 +580,7 @@ def few_note(n_records):
     if n_records >= FEW_RECORDS:
         return ""
     are = "record is" if n_records == 1 else "records are"
-    return f"{n_records} {are} few: the intervals are rough"
+    return f"{n_records} {are} few: another may give medians far from these"
 
 
 def _span(bounds):

@@ -224,6 +224,19 @@ class TestBatch:
         assert [path.name for path in batches.out.glob("records*")] == [NAME]
         assert batches.checksums() == histories and batches.tables() == drawn.tables()
 
+    def test_what_a_run_takes_besides_its_steps_is_left_by_the_share_of_its_steps(
+        self, monkeypatch
+    ):
+        """Short runs of two draws: 5.2 times as long was said as they took."""
+        monkeypatch.setattr(batch, "cost_of", lambda run: batch.RUN)
+        run = SimpleNamespace(solver="reference", runs_needed=lambda _: 2, runs_at_most=lambda _: 2)
+        point = SimpleNamespace(run=run, records={}, pictures=0, is_drawn=False)
+        pace = SimpleNamespace(note=lambda done: None, left_s=lambda least, most: (least, most))
+        work = SimpleNamespace(points={"p": point}, _paces={"reference": pace})
+        shares = SimpleNamespace(items=lambda: 2 * [(SimpleNamespace(point=run), 0.75)])
+        left = batch.RUN + batch.TABLES
+        assert batch.Batch._left_s(work, "reference", shares) == (left, left)
+
 
 class TestPool:
     """Processes that do what a test says in place of runs."""
