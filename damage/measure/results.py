@@ -98,7 +98,7 @@ RESULTS = {
     "settled_DI": Result("settled, DI", remark="of 1, before the motion"),
     "max_base_translation_mm": Result("base translation", "mm", 2, "not in the drift"),
     "max_base_rotation_rad": Result("base rotation", "mrad", 2, "not in the drift", 1e3),
-    "pgv_m_s": Result("PGV", "m/s", 3, "of the motion as applied"),
+    "pgv_m_s": Result("PGV", "cm/s", 3, "of the motion as applied", 100.0),
     "elastic_joint_share": Result("elastic joints", "%", 2, "of the joint length", 100.0),
     "elastic_joint_share_above_openings": Result(
         "elastic above openings", "%", 2, "of the joint length there", 100.0

@@ -77,7 +77,7 @@ def describe_spread(spread):
     return [
         f"{spread['count']} members{of_them}: median (min to max)",
         *(
-            f"  {result_of(name).label:14s}{members_in_words(spread, name)}"
+            f"  {result_of(name).label:22s}{members_in_words(spread, name)}"
             for name in KEY
             if name in spread
         ),

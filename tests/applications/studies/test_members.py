@@ -71,7 +71,8 @@ def test_members_are_the_runs_with_their_seeds_and_the_first_is_kept(
     drift = table["max_drift_ratio"]
     assert drift.nunique() == 3
     words = " to ".join(rounded(100 * one, 3) for one in (drift.min(), drift.max()))
-    assert f"drift ratio   {rounded(100 * drift.median(), 3)} ({words}) %" in printed
+    assert f"{'drift ratio':22s}{rounded(100 * drift.median(), 3)} ({words}) %" in printed
+    assert "residual widest crack " in printed
 
     found = json.loads(output_of("index", out, "--json"))["members"]
     assert found["count"] == 3 and found["max_drift_ratio"]["median"] == drift.median()
