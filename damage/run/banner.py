@@ -73,9 +73,9 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
     plan = layout.plan
     options = layout.options
     lintels = describe_lintels(plan)
-    lintels_in_words = (
-        "s of their own" if lintels and options.lintel == "elastic" else f" {options.lintel}"
-    )
+    lintels_in_words = f"lintel {options.lintel}: " if wall.openings else ""
+    if lintels and options.lintel == "elastic":
+        lintels_in_words = "lintels of their own: "
     replaced = [text for wall in layout.walls for text in replaced_lintels(wall, options.lintel)]
     bricks_kg = layout.total_mass - layout.top_mass - sum(floor.mass for floor in wall.floors)
     return [
@@ -90,10 +90,8 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
         *masonry_lines(layout),
         *lintels,
         *replaced,
-        (
-            f"lintel{lintels_in_words}: "
-            f"{describe_share(elastic_share(plan, joint_table(layout), body_table(layout)))}"
-        ),
+        lintels_in_words
+        + describe_share(elastic_share(plan, joint_table(layout), body_table(layout))),
         (
             f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
             f"({time_step / modes.critical_time_step_s:.2f} of the critical"

@@ -544,8 +544,8 @@ def in_words(fits):
         lines += [
             (
                 f"{wall} wall by {first.intensity} [{unit_of(first.intensity)[1]}],"
-                f" {first.n_runs} runs, {first.n_walls} draws of strengths, {first.n_records}"
-                f" records; intervals of {100 * CONFIDENCE:.0f} %"
+                f" runs: {first.n_runs}, draws of strengths: {first.n_walls}, records:"
+                f" {first.n_records}; intervals of {100 * CONFIDENCE:.0f} %"
             ),
             (
                 f"{'damage state':28} {'exceed':>6} {'median':>16} {'dispersion':>10}"

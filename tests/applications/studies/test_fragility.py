@@ -252,7 +252,7 @@ class TestUndetermined:
 
     def test_draws_of_one_wall_are_not_called_walls(self):
         printed = in_words({"w": [fragility(walls(12, seed=1), "max_DI", 0.05, replicates=0)]})
-        assert "12 draws of strengths, 1 records" in printed and "walls" not in printed
+        assert "draws of strengths: 12, records: 1;" in printed and "walls" not in printed
 
     def test_samples_without_a_curve_open_the_bound_on_their_side(self):
         """One of three records harms nothing: samples with many of it have their median above all
