@@ -24,14 +24,14 @@ from damage.units import GRAVITY
 
 AT_REST = 1e-6
 """Largest displacement within `WINDOW_S` of a wall at rest, in heights of a course."""
-RUNS_AWAY = 0.05
-"""Displacement since the level was reached at which a wall has run away, in heights of a course."""
+COLLAPSED = 0.05
+"""Displacement of a collapsed wall since the level was reached, in heights of a course."""
 WINDOW_S = 0.5
 LONGEST_S = 60.0
 GROWING = 4
 """Number of windows in a row, each with no less displacement than the one before, after which the
-wall runs away: just above its multiplier a wall of many blocks collapses slowly, as the damping of
-its rattling slows it."""
+wall has collapsed: just above its multiplier a wall of many blocks moves slowly, as its blocks
+vibrate and damping slows them."""
 
 # parts of the multiplier that `falls_of` begins at
 LOADED = 0.98
@@ -161,7 +161,7 @@ def find_by_falls(falls):
 
 
 def _hold(wall, level=0.0):
-    """Hold the multiplier: None at rest, the displacement of a wall that runs away."""
+    """Hold the multiplier: None at rest, the displacement of a wall that collapses."""
     course = wall.layout.wall.brick.height
     steps = round(WINDOW_S / wall.time_step)
     begin = wall.displacement
@@ -176,10 +176,10 @@ def _hold(wall, level=0.0):
         before = now
         if now < AT_REST * course:
             return None
-        if growing >= GROWING or _largest(wall.displacement - begin) > RUNS_AWAY * course:
+        if growing >= GROWING or _largest(wall.displacement - begin) > COLLAPSED * course:
             return wall.displacement - begin
     raise TimeoutError(
-        f"wall {wall.layout.wall.name} neither rests nor runs away within {LONGEST_S:g} s at"
+        f"wall {wall.layout.wall.name} neither rests nor collapses within {LONGEST_S:g} s at"
         f" {level:g}"
     )
 
