@@ -12,6 +12,7 @@ which may hang or crash on one damaged byte.
 """
 
 import hashlib
+import json
 import os
 import re
 from dataclasses import dataclass, replace
@@ -39,6 +40,13 @@ class Head:
     sha256: str | None = None
     n_bytes: int | None = None
 
+    @classmethod
+    def of_run(cls, attributes):
+        """The open Head of a run with these attributes."""
+        versions = json.loads(attributes["versions_json"])
+        model = versions.get("model", UNKNOWN)
+        return cls(versions.get("masonry-damage", UNKNOWN), f"{attributes['solver']} {model}")
+
     @property
     def sealed(self):
         """Whether the run that wrote the file closed it."""
@@ -54,15 +62,6 @@ class Head:
             end,
         )
         return "".join(f"{line}\n" for line in lines).encode().ljust(HEAD_BYTES, b"\0")
-
-
-def head_of(solver, versions):
-    """{"software", "model"} for the Head of a run by a solver, of its versions {software:
-    version}."""
-    return {
-        "software": versions.get("masonry-damage", UNKNOWN),
-        "model": f"{solver} {versions.get('model', UNKNOWN)}",
-    }
 
 
 def write_head(path, head):

@@ -280,13 +280,15 @@ STATIC_STAGE = {
     ),
 }
 STATE = "state/solver"
-STATE_COLUMN = Column(
-    "bytes",
-    "NumPy archive of the solver's own tables at the end of a complete run, with which "
-    "another run continues; empty where there is none; its content belongs to one version of the "
-    "model's code",
-    "u1",
-)
+STATE_COLUMNS = {
+    "solver": Column(
+        "bytes",
+        "NumPy archive of the solver's own tables at the end of a complete run, with which "
+        "another run continues; empty where there is none; its content belongs to one version of "
+        "the model's code",
+        "u1",
+    )
+}
 GROWING = {
     "series": SERIES,
     "active": ACTIVE,
@@ -297,6 +299,7 @@ GROWING = {
     "stresses": STRESSES,
     "house": HOUSE,
     "static_stage": STATIC_STAGE,
+    "state": STATE_COLUMNS,
 }
 """Groups whose datasets grow during a run."""
 TABLES = {
@@ -316,32 +319,18 @@ COLUMNS = {
     for group, columns in {"run": RUN, **TABLES}.items()
     for name, column in columns.items()
 }
-SHAPES = {
-    "run": (),
-    "static": (),
-    "joints": ("joints",),
-    "bodies": ("bodies",),
-    "supports": ("supports",),
-    "series": ("samples",),
-    "active": ("active",),
-    "frames": ("samples", "active"),
-    "ground": ("samples", "supports", 3),
-    "events": ("events",),
-    "snapshots": ("snapshots",),
-    "snapshots/displacement": ("snapshots", "bodies", 3),
-    "snapshots/out_of_plane": ("snapshots", "bodies", 3),
-    "stresses": ("samples", "joints", 2),
-    "house": ("samples", "walls"),
-    "house/base_acceleration_m_s2": ("samples",),
-    "house/failed_ties": ("samples",),
-    "placing/body_wall": ("bodies",),
-    "placing/joint_wall": ("joints",),
-    "placing/joint_y_m": ("joints",),
-    "placing/body_y_m": ("bodies",),
-    "placing/body_depth_m": ("bodies",),
-    "static_stage": ("looks",),
+ROW_SHAPES = {
+    "frames": ("active",),
+    "ground": ("supports", 3),
+    "snapshots/displacement": ("bodies", 3),
+    "snapshots/out_of_plane": ("bodies", 3),
+    "stresses": ("joints", 2),
+    "house": ("walls",),
+    "house/base_acceleration_m_s2": (),
+    "house/failed_ties": (),
 }
-"""Dimensions of the datasets of a group, or of one dataset, by name."""
+"""Dimensions of a row of the growing datasets of a group, or of one dataset, by name; () of all
+others."""
 CODES = {
     "run/status": STATUS,
     "series/stage": STAGES,

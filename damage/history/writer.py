@@ -24,7 +24,7 @@ import scipy
 from damage.errors import InputError, WriteError
 from damage.history import schema
 from damage.history.buffer import CHUNK, SNAPSHOT_SAMPLES, Buffer
-from damage.history.head import HEAD_BYTES, Head, head_of, seal, write_head
+from damage.history.head import HEAD_BYTES, Head, seal, write_head
 from damage.history.reader import read_history
 from damage.provenance import shown_command
 
@@ -43,34 +43,17 @@ class File:
     last flush.  HDF5 cannot close in order then: end the process by os._exit.
     """
 
-    keeps_state = True
-
     def __init__(self, path, layout, attributes, overwrite=False):
         self.path = Path(path)
         self.where = str(path)
         self.attributes = attributes
         with self._writing():
             self._file = _create_file(self.path, overwrite)
-            write_head(
-                self.path,
-                Head(**head_of(attributes["solver"], json.loads(attributes["versions_json"]))),
-            )
+            write_head(self.path, Head.of_run(attributes))
             _write_fixed(self._file, layout, attributes)
             # Kept open: a dataset that is closed unwritten loses its rows without a word where the
             # disk is full.
-            self._growing = _create_growing(
-                self._file, layout, json.loads(attributes["parameters_json"])
-            )
-            self._state = self._file.create_dataset(
-                schema.STATE,
-                shape=(0,),
-                maxshape=(None,),
-                chunks=(1 << 16,),
-                dtype=schema.STATE_COLUMN.dtype,
-                compression="gzip",
-                compression_opts=_LEVEL,
-            )
-            self._state.attrs["unit"] = schema.STATE_COLUMN.unit
+            self._growing = _create_growing(self._file, layout, attributes)
             self._file.swmr_mode = True  # HDF5 takes its own lock off the file
             self._lock = lock(self.path, fcntl.LOCK_SH)
             self._file.flush()
@@ -111,7 +94,7 @@ class File:
         with self._writing():
             for path, dataset in self._growing.items():
                 group = path.partition("/")[0]
-                _copy(dataset, file[path], count_of[group])
+                _copy(dataset, file[path], count_of.get(group, 0))
                 if group == "frames":  # later samples had more
                     dataset.resize(count_of["active"], axis=1)
             self._file.flush()
@@ -122,8 +105,7 @@ class File:
 
     def keep_state(self, state):
         with self._writing():
-            self._state.resize(len(state), axis=0)
-            self._state[:] = state
+            _extend(self._growing[schema.STATE], state)
 
     def store(self, columns):
         with self._writing():
@@ -169,14 +151,11 @@ class HistoryWriter(Buffer):
     the digest of the model's code, where they are known.
     """
 
+    make_sink = File
+
     def __init__(self, path, layout, *, solver, parameters, versions, overwrite=False):
         attributes = run_attributes(layout, solver, parameters, versions)
-        super().__init__(layout, *self.sinks(path, layout, attributes, overwrite))
-
-    @staticmethod
-    def sinks(path, layout, attributes, overwrite):
-        """What keeps it, as of Buffer."""
-        return [File(path, layout, attributes, overwrite)]
+        super().__init__(layout, self.make_sink(path, layout, attributes, overwrite))
 
 
 def check_output(path, overwrite=False):
@@ -340,11 +319,11 @@ def layout_tables(layout):
     }
 
 
-def growing_columns(layout, parameters):
+def growing_columns(layout, attributes):
     """{"GROUP/NAME": (Column, shape of a row)} of the datasets that grow during a run with these
-    parameters; rows of frames begin without active contact points."""
+    attributes; rows of frames begin without active contact points."""
     optional = {
-        "stresses/joint_stress_pa": parameters.get("stresses"),
+        "stresses/joint_stress_pa": json.loads(attributes["parameters_json"]).get("stresses"),
         **dict.fromkeys(OF_HOUSES, layout.IN_SPACE),
     }
     sizes = {
@@ -358,24 +337,25 @@ def growing_columns(layout, parameters):
     for path, column in schema.COLUMNS.items():
         group = path.partition("/")[0]
         if group in schema.GROWING and optional.get(path, True):
-            _, *shape = schema.SHAPES.get(path, schema.SHAPES[group])
+            shape = schema.ROW_SHAPES.get(path, schema.ROW_SHAPES.get(group, ()))
             columns[path] = column, tuple(sizes.get(size, size) for size in shape)
     return columns
 
 
-def _create_growing(file, layout, parameters):
-    """Empty datasets, {"GROUP/NAME": dataset}; parameters: of the run."""
+def _create_growing(file, layout, attributes):
+    """Empty datasets, {"GROUP/NAME": dataset}; attributes: of the run."""
     chunks = {
         "active": 1024,
         "events": 1024,
         "static_stage": 1024,
+        "state": 1 << 16,
         "snapshots": CHUNK // SNAPSHOT_SAMPLES,
     }
     for group in schema.GROWING:
         file.create_group(group)
     made = {}
     columns = min(_COLUMNS, layout.n_joints)
-    for path, (column, shape) in growing_columns(layout, parameters).items():
+    for path, (column, shape) in growing_columns(layout, attributes).items():
         rows = chunks.get(path.partition("/")[0], CHUNK)
         made[path] = file.create_dataset(
             path,

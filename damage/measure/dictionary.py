@@ -9,14 +9,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from damage.history.schema import STATE_COLUMN
 from damage.history.schema import TABLES as HISTORY
 from damage.measure.tables import HOUSE_TABLES, RUN_TABLES, write_table
 
 TABLES = {
     **{f"RUN_{name}.csv": columns for name, (_, columns) in (RUN_TABLES | HOUSE_TABLES).items()},
     **{f"RUN.h5 {group}": columns for group, columns in HISTORY.items()},
-    "RUN.h5 state": {"solver": STATE_COLUMN},
 }
 """{tables of single runs, as their files are called: {column: Column}}."""
 

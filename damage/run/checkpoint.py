@@ -53,8 +53,8 @@ class Checkpoints:
         """Write a checkpoint of {name: array}."""
         self._writer.flush()
         of_history = {
-            "rows": np.array(self._writer.rows()),
-            "run": _digest_of(self._writer.attributes),
+            "rows": np.array(self._writer.sink.rows()),
+            "run": _digest_of(self._writer.sink.attributes),
         }
         content = as_bytes(tables | of_history).tobytes()
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")

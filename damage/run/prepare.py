@@ -257,7 +257,7 @@ def _opened(plan, state, parameters, out, write):
         checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
         if not settings.resumed:
             checkpoints.remove()  # of the run that this one replaces
-    print(f"history: {writer.where}", flush=True)
+    print(f"history: {writer.sink.where}", flush=True)
     return Prepared(
         **vars(plan),
         writer=writer,

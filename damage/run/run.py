@@ -273,8 +273,8 @@ class Run:
         self.sampler.write_events(self.solver.drain_events())
         self.writer.snapshot(*self.sampler.last)
         if finished and self.collapsed_at_s is None:
-            if self.writer.keeps_state and (state := self.solver.saved_state()) is not None:
-                self.writer.keep_state(as_bytes(state | self.sampler.carried))
+            if (state := self.solver.saved_state()) is not None:
+                self.writer.sink.keep_state(as_bytes(state | self.sampler.carried))
             if self._checkpoints and self._checkpoints.keeps_end:
                 self._checkpoints.write(self.tables())
         if self.collapsed_at_s is not None and self.settings.after_fall:

@@ -157,4 +157,4 @@ def _keep_changed(prepared, changed):
             f"changed by hand: {changed}: expected the wall as built, as the state of the run that"
             " continues replaces it; leave --continue or --resume out, or change nothing"
         )
-    prepared.writer.add_parameters({"changed_by_hand": changed})
+    prepared.writer.sink.add_parameters({"changed_by_hand": changed})
