@@ -107,19 +107,20 @@ def of_locale(name):
     )
 
 
-class InputError(ValueError):
+class _OneLine(Exception):
+    """An exception whose message is one line."""
+
+    def __init__(self, message=""):
+        super().__init__(one_line(message))
+
+
+class InputError(_OneLine, ValueError):
     """Bad input: its one-line message says what was given, what was expected and how to correct
     it."""
 
-    def __init__(self, message=""):
-        super().__init__(one_line(message))
 
-
-class RunError(RuntimeError):
+class RunError(_OneLine, RuntimeError):
     """A run that cannot continue or whose result is not credible: its message is one line."""
-
-    def __init__(self, message=""):
-        super().__init__(one_line(message))
 
 
 class RunWarning(UserWarning):

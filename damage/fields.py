@@ -105,10 +105,10 @@ def choice(choices, *, default=MISSING, **more):
 def text(*, default=MISSING, **more):
     """A field of a word that its record checks.
 
-    more: called: its name in messages, where that is not RECORD.FIELD; of an option its help, for
-    people; metavar; option: its name, where that is not the field's; tag: what a history's file is
-    called where the option is not the default, a template of the options; seed: it only draws one
-    of many alike.
+    more: called: its name in messages, where that is not RECORD.FIELD; of an option, which messages
+    call by its own, its help, for people; metavar; option: its name, where that is not the field's;
+    tag: what a history's file is called where the option is not the default, a template of the
+    options; seed: it only draws one of many alike.
     """
     return field(
         default=default,
@@ -136,13 +136,15 @@ def option_of(attribute, unit=False):
 
 
 def _called(record, attribute):
+    """The name of a field in messages."""
+    if attribute.metadata["help"]:
+        return option_of(attribute, unit=True)
     return attribute.metadata["called"] or f"{type(record).__name__}.{attribute.name}"
 
 
-def check_fields(record, name=_called):
-    """Raise InputError where a field of a record is not what it says; name: of a field in the
-    message.  Numbers of other kinds, as numpy's, become Python's, which files take, and lists
-    tuples."""
+def check_fields(record):
+    """Raise InputError where a field of a record is not what it says.  Numbers of other kinds, as
+    numpy's, become Python's, which files take, and lists tuples."""
     for attribute in fields(record):
         value = _plain(getattr(record, attribute.name))
         vars(record)[attribute.name] = value  # the record may be frozen
@@ -152,7 +154,7 @@ def check_fields(record, name=_called):
             and value not in attribute.metadata["words"]
         ):
             try:
-                _check(name(record, attribute), value, attribute.metadata)
+                _check(_called(record, attribute), value, attribute.metadata)
             except InputError as error:
                 raise InputError(f"{error}{_meant(value, attribute.metadata['usual'])}") from None
 

@@ -158,6 +158,5 @@ def _print_exception(kind, error, trace):
     if issubclass(kind, KeyboardInterrupt):
         os._exit(EXIT_INTERRUPTED)
     if issubclass(kind, ImportError) and missing_library(error):
-        print(f"error: {missing_library(error)}", file=sys.stderr, flush=True)
-        os._exit(EXIT_MISSING)
+        os._exit(report_error(error))
     sys.__excepthook__(kind, error, trace)

@@ -18,7 +18,7 @@ from damage.history.in_memory import HistoryInMemory
 from damage.history.reader import read_history
 from damage.history.schema import JOINTS
 from damage.history.writer import HistoryWriter, layout_tables
-from damage.run.cooperative import take_turns
+from damage.run.cooperative import to_its_end
 from damage.run.prepare import prepare
 from damage.run.run import Run
 from damage.run.session import history_of
@@ -126,7 +126,7 @@ class Scene:
             self.layout, prepared.settings, self.solver, prepared.writer, lambda run, time_s: True
         )
         with redirect_stdout(io.StringIO()):
-            take_turns([self.run.come_to_rest()])
+            to_its_end(self.run.come_to_rest())
         self._settled = True
         self._left = Properties.read(self.solver)
         return self

@@ -13,10 +13,8 @@ which may hang or crash on one damaged byte.
 
 import hashlib
 import json
-import os
 import re
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from damage.errors import InputError
 from damage.history.schema import SCHEMA, SCHEMA_VERSION
@@ -25,20 +23,19 @@ from damage.provenance import UNKNOWN
 HEAD_BYTES = 512  # the least that HDF5 allows
 _LINES = re.compile(
     SCHEMA + rf" {SCHEMA_VERSION}\nsoftware ([^\n]*)\nmodel ([^\n]*)\n"
-    r"(?:open|sealed sha256 ([0-9a-f]{64}) of (\d+) bytes)\n\0*"
+    r"(?:open|sealed (sha256 [0-9a-f]{64} of \d+ bytes))\n\0*"
 )
 _NUMBER = re.compile(SCHEMA.encode() + rb" (\d+)\n")
 
 
 @dataclass(frozen=True)
 class Head:
-    """software, model: what made the file, in words; sha256, n_bytes: of what follows the block,
-    None while open."""
+    """software, model: what made the file, in words; sealed: `_digest` of what follows the block,
+    None while the run that writes it has not closed it."""
 
     software: str
     model: str
-    sha256: str | None = None
-    n_bytes: int | None = None
+    sealed: str | None = None
 
     @classmethod
     def of_run(cls, attributes):
@@ -47,19 +44,13 @@ class Head:
         model = versions.get("model", UNKNOWN)
         return cls(versions.get("masonry-damage", UNKNOWN), f"{attributes['solver']} {model}")
 
-    @property
-    def sealed(self):
-        """Whether the run that wrote the file closed it."""
-        return self.sha256 is not None
-
     def as_bytes(self):
         """The block itself."""
-        end = f"sealed sha256 {self.sha256} of {self.n_bytes} bytes" if self.sealed else "open"
         lines = (
             f"{SCHEMA} {SCHEMA_VERSION}",
             f"software {self.software}",
             f"model {self.model}",
-            end,
+            f"sealed {self.sealed}" if self.sealed else "open",
         )
         return "".join(f"{line}\n" for line in lines).encode().ljust(HEAD_BYTES, b"\0")
 
@@ -72,8 +63,7 @@ def write_head(path, head):
 
 def seal(path):
     """Seal a closed history: write the digest of its bytes."""
-    sha256, n_bytes = _digest(path)
-    write_head(path, replace(read_head(path), sha256=sha256, n_bytes=n_bytes))
+    write_head(path, replace(read_head(path), sealed=_digest(path)))
 
 
 def read_head(path):
@@ -98,30 +88,22 @@ def read_head(path):
         raise InputError(
             f"{path} cannot be read as a history ({what}); expected a file that a run wrote"
         )
-    software, model, sha256, n_bytes = match.groups()
-    return Head(software, model, sha256, n_bytes and int(n_bytes))
+    return Head(*match.groups())
 
 
 def check_seal(path, head):
     """Raise InputError unless the bytes of the file are those that were sealed."""
-    n_bytes = os.path.getsize(path) - HEAD_BYTES
-    if n_bytes != head.n_bytes:
+    digest = _digest(path)
+    if digest != head.sealed:
         raise InputError(
-            f"{path} has {n_bytes} bytes behind its head, {head.n_bytes} were sealed: it was cut"
-            " short or changed since its run; take another copy, or run it again"
-        )
-    if _digest(path)[0] != head.sha256:
-        raise InputError(
-            f"{path} is not what its run sealed (its SHA-256 differs): it was damaged or changed;"
-            " take another copy, or run it again"
+            f"{path} is not what its run sealed: behind its head it has {digest}, {head.sealed}"
+            " were sealed: it was cut short, damaged or changed; take another copy, or run it again"
         )
 
 
 def _digest(path):
-    """(SHA-256, number) of the bytes behind the head."""
+    """SHA-256 and number of the bytes behind the head, in words."""
     with open(path, "rb") as file:
         file.seek(HEAD_BYTES)
-        return (
-            hashlib.file_digest(file, "sha256").hexdigest(),
-            Path(path).stat().st_size - HEAD_BYTES,
-        )
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+        return f"sha256 {sha256} of {file.tell() - HEAD_BYTES} bytes"

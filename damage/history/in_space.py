@@ -7,6 +7,7 @@ import numpy as np
 import scipy  # spatial where it is used: it starts slowly
 
 from damage.history.moments import support_motion
+from damage.history.parts import motion_vectors
 from damage.history.reader import History
 from damage.house.placing import BOX
 from damage.wall.geometry import body_corners, joint_segments, tributary_ends
@@ -99,12 +100,8 @@ class InSpace:
         if snapshot is None:
             return np.zeros((2, *self.centres.shape))
         history = self.history
-        along, up, turn = motion_of(history, snapshot).T
-        across, about_along, about_up = history.house.out_of_plane[snapshot].astype(float).T
-        vectors = np.stack(
-            [np.column_stack([along, across, up]), np.column_stack([about_along, -turn, about_up])],
-            axis=1,
-        )
+        out_of_plane = history.house.out_of_plane[snapshot].astype(float)
+        vectors = motion_vectors(motion_of(history, snapshot), out_of_plane)
         motion = history.placing.turned(history.house.body_wall, vectors)
         return np.concatenate([motion, np.zeros((1, 2, 3))]).swapaxes(0, 1)
 

@@ -152,21 +152,7 @@ def describe(about: dict) -> str:
     >>> describe(info(history)).splitlines()[0]
     'file          run.h5'
     """
-    lines = [
-        f"{name:14s}{about[name]}"
-        for name in (
-            "file",
-            "wall",
-            "solver",
-            "status",
-            "created_utc",
-            "machine",
-            "command",
-            "software",
-            "commit",
-            "model_digest",
-        )
-    ]
+    lines = [f"{name:14s}{value}" for name, value in about.items() if isinstance(value, str)]
     lines += [
         f"{name:14s}{version}"
         for name, version in sorted(about["versions"].items())

@@ -171,22 +171,18 @@ def _with_slabs_in(history, number):
     moved = history.displacement.copy()
     across = house.out_of_plane.copy()
     middle = placing.left[number] + placing.length[number] / 2
+    to_wall = placing.axes[number].T
     for slab in slabs:
         carrying = [house.body_wall[slab]]
         centre = np.array([[[bodies["x_m"][slab], house.body_y_m[slab], 0.0]]])
-        arm = placing.in_house([number], np.array([[[middle, 0.0, 0.0]]]))
-        arm = (arm - placing.in_house(carrying, centre))[0]
-        along, up, turned = moved[:, slab].T
-        aside, about_x, about_z = across[:, slab].T
-        shift, turns = (
-            placing.turned(carrying, np.column_stack(one)[np.newaxis])[0]
-            for one in ((along, aside, up), (about_x, -turned, about_z))
-        )
-        to_wall = placing.axes[number].T
-        shift = (shift + np.cross(turns, arm)) @ to_wall
-        turns = turns @ to_wall
-        moved[:, slab] = np.column_stack([shift[:, 0], shift[:, 2], -turns[:, 1]])
-        across[:, slab] = np.column_stack([shift[:, 1], turns[:, 0], turns[:, 2]])
+        place = placing.in_house([number], np.array([[[middle, 0.0, 0.0]]]))
+        arm = (place - placing.in_house(carrying, centre))[0]
+        vectors = motion_vectors(moved[:, slab], across[:, slab])
+        shift, turns = placing.turned(carrying * len(vectors), vectors).swapaxes(0, 1)
+        along, aside, up = ((shift + np.cross(turns, arm)) @ to_wall).T
+        about_along, about_across, about_up = (turns @ to_wall).T
+        moved[:, slab] = np.column_stack([along, up, -about_across])
+        across[:, slab] = np.column_stack([aside, about_along, about_up])
     body_wall[slabs] = number
     bodies.loc[slabs, "x_m"] = middle
     bodies.loc[slabs, "length_m"] = placing.length[number]
@@ -196,3 +192,12 @@ def _with_slabs_in(history, number):
         displacement=moved,
         house=house._replace(body_wall=body_wall, out_of_plane=across),
     )
+
+
+def motion_vectors(in_plane, out_of_plane):
+    """Displacement [m] and rotation [rad] of bodies along, across and up their walls (n, 2, 3), of
+    their motion in the plane (n, 3) [m, m, rad] and out of it (n, 3) [m, rad, rad]."""
+    along, up, turn = in_plane.T
+    across, about_along, about_up = out_of_plane.T
+    shift = np.column_stack([along, across, up])
+    return np.stack([shift, np.column_stack([about_along, -turn, about_up])], axis=1)

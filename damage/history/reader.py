@@ -354,7 +354,11 @@ def read_history(path: str | Path) -> History:
     except InputError:
         raise
     except Exception as error:  # a damaged file may say anything
-        raise _unreadable(file_path, error) from error
+        message = (str(error).strip() or type(error).__name__).splitlines()[0]
+        raise InputError(
+            f"{file_path} cannot be read as a history ({message}); expected an HDF5 file that a run"
+            " wrote"
+        ) from error
 
 
 def _without_part(path):
@@ -373,13 +377,6 @@ def file_of(path: str | Path) -> Path:
     """
     house, part = _without_part(Path(path))
     return file_of(house) if part else house
-
-
-def _unreadable(path, error):
-    message = (str(error).strip() or type(error).__name__).splitlines()[0]
-    return InputError(
-        f"{path} cannot be read as a history ({message}); expected an HDF5 file that a run wrote"
-    )
 
 
 def opened(path: str | Path) -> h5py.File:

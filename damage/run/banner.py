@@ -53,25 +53,25 @@ def announce(plan):
             code="softening_step",
         )
     warn(*warn_of_lone_walls(plan.layout.building), code="lone_walls")
-    lines = wall_lines(plan.layout, loading, plan.modes, plan.time_step, settings.mass_scaling)
     print(
-        *lines,
+        *wall_lines(plan),
         *settlement_lines(settings, plan.layout),
         *event_lines(settings),
         *record_lines(settings),
         *sequence_lines(settings),
-        *stress_lines(settings, plan.layout, plan.time_step),
+        *stress_lines(plan),
         sep="\n",
         flush=True,
     )
 
 
-def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
-    """Lines about a damage.wall.layout.Layout under a Loading, with its Modes and the time step
-    [s]."""
+def wall_lines(run):
+    """Lines about the wall of a RunPlan, its first period and time step, and its motion."""
+    layout = run.layout
     wall = layout.wall
     plan = layout.plan
     options = layout.options
+    mass_scaling = run.settings.mass_scaling
     lintels = describe_lintels(plan)
     lintels_in_words = f"lintel {options.lintel}: " if wall.openings else ""
     if lintels and options.lintel == "elastic":
@@ -93,12 +93,13 @@ def wall_lines(layout, loading, modes, time_step, mass_scaling="none"):
         lintels_in_words
         + describe_share(elastic_share(plan, joint_table(layout), body_table(layout))),
         (
-            f"first period by eigenvalue {modes.period_s[0]:.4f} s; time step {time_step:.4g} s "
-            f"({time_step / modes.critical_time_step_s:.2f} of the critical"
+            f"first period by eigenvalue {run.modes.period_s[0]:.4f} s; time step"
+            f" {run.time_step:.4g} s ({run.time_step / run.modes.critical_time_step_s:.2f} of the"
+            " critical"
             f"{'' if mass_scaling == 'none' else f', {mass_scaling} mass scaling'})"
         ),
-        f"motion: {loading.name}",
-        *describe_sampling(loading),
+        f"motion: {run.settings.loading.name}",
+        *describe_sampling(run.settings.loading),
     ]
 
 
@@ -170,12 +171,14 @@ def event_lines(settings):
     ]
 
 
-def stress_lines(settings, layout, time_step):
-    """A line on the size of the joints' stresses, none where RunSettings do not keep them."""
+def stress_lines(plan):
+    """A line on the size of the joints' stresses, none where a RunPlan does not keep them."""
+    settings = plan.settings
+    layout = plan.layout
     if not settings.stresses:
         return []
-    interval = sample_steps(time_step, settings.mass_scaling)
-    samples = stages(settings, layout, time_step, interval)[-1].end_step // interval + 1
+    interval = sample_steps(plan.time_step, settings.mass_scaling)
+    samples = stages(settings, layout, plan.time_step, interval)[-1].end_step // interval + 1
     return [
         f"stresses of {layout.n_joints} contact points at {samples} samples: "
         f"{8e-6 * samples * layout.n_joints:.3g} MB in memory where the history is read, "

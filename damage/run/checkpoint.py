@@ -90,8 +90,8 @@ def read_checkpoint(path, scene=True):
     path = Path(path)
     if not path.is_file():
         raise InputError(
-            f"no checkpoint {path}: expected a run that was interrupted, or was killed with"
-            " --checkpoint MINUTES; run it again with that"
+            f"no checkpoint {path}: expected the one of a run with --checkpoint MINUTES, or of one"
+            " that was interrupted; run it again with --checkpoint 10"
         )
     head, _, content = path.read_bytes().partition(b"\n")
     if head != _HEAD + hashlib.sha256(content).hexdigest().encode():
@@ -153,14 +153,14 @@ def resumed(path, layout, parameters, origin, scene):
     return _continued(Path(path), layout, tables["rows"].tolist(), history.attributes), tables
 
 
-def _checkpoint_beside(history, option, scene=True, again="run it again"):
+def _checkpoint_beside(history, option, scene=True):
     """The tables of the checkpoint beside a History, which has to be of the same run; scene: as of
     `read_checkpoint`."""
     tables = read_checkpoint(checkpoint_path(history.path), scene)
     if not np.array_equal(tables["run"], _digest_of(history.attributes)):
         raise InputError(
-            f"{option}: the checkpoint beside it is of another run; expected both of one run;"
-            f" {again}"
+            f"{option}: the checkpoint beside it is of another run; expected both of one run; run"
+            " it again"
         )
     return tables
 
@@ -197,11 +197,4 @@ def read_end(path, layout, origin, time_step):
             f"--continue {path}: its time step is {history.time_step_s!r} s, expected that of this"
             f" run, {time_step!r} s; give --dt {history.time_step_s!r}"
         )
-    if not checkpoint_path(path).is_file():
-        raise InputError(
-            f"--continue {path}: no {checkpoint_path(path).name} beside it; expected the checkpoint"
-            " at the end of that run; run it again with --checkpoint 10"
-        )
-    return _checkpoint_beside(
-        history, f"--continue {path}", again="run it again with --checkpoint 10"
-    )
+    return _checkpoint_beside(history, f"--continue {path}")

@@ -25,9 +25,10 @@ def run_each(asked):
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a run that blows up says so itself
-def take_turns(runs):
-    """Let runs, as of `as_they_end`, continue until all have ended; returns what each returned."""
-    return [value for _, value in sorted(as_they_end(runs), key=lambda end: end[0])]
+def to_its_end(run):
+    """Let a run, as of `as_they_end`, continue until it has ended; returns what it returned."""
+    ((_, value),) = as_they_end([run])
+    return value
 
 
 def as_they_end(runs, move=run_each, most=math.inf):

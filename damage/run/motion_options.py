@@ -222,9 +222,6 @@ def refuse_motions(parsed, option, why, beside=()):
         )
 
 
-_MOTIONS = ("harmonic", "record", "free_vibration", "pushover", "cyclic")
-
-
 def _loading(parsed):
     """The loading that the motion options ask for, or InputError where they contradict each
     other."""
@@ -233,27 +230,15 @@ def _loading(parsed):
         raise InputError(
             f"--{' and --'.join(chosen)} given together: choose one motion".replace("_", "-")
         )
-    motion = (
-        chosen[0]
-        if chosen
-        else "harmonic"
-        if parsed.settle is None or parsed.cycles is not None
-        else "at_rest"
-    )
+    rests = not chosen and parsed.settle is not None and parsed.cycles is None
+    motion = "at_rest" if rests else (chosen or ["harmonic"])[0]
     for option, owners in _BELONGS.items():
         if getattr(parsed, option) is not None and motion not in owners:
             raise InputError(
                 f"--{option.replace('_', '-')} belongs to --{' or --'.join(owners)}, not to "
                 f"--{motion.replace('_', '-')}; leave it out"
             )
-    return {
-        "harmonic": _harmonic,
-        "at_rest": lambda parsed: AtRest(),
-        "record": recorded,
-        "free_vibration": lambda parsed: FreeVibration(),
-        "pushover": _pushed,
-        "cyclic": _pushed,
-    }[motion](parsed)
+    return AtRest() if rests else _MOTIONS[motion](parsed)
 
 
 def _harmonic(parsed):
@@ -303,3 +288,13 @@ def recorded(parsed):
             scale=parsed.scale, window_s=window, baseline_order=parsed.baseline, band_hz=parsed.band
         ),
     )
+
+
+_MOTIONS = {
+    "harmonic": _harmonic,
+    "record": recorded,
+    "free_vibration": lambda parsed: FreeVibration(),
+    "pushover": _pushed,
+    "cyclic": _pushed,
+}
+"""{option: what makes its Loading of parsed options}."""

@@ -128,14 +128,14 @@ class Prepared(RunPlan):
     """A run that can begin: its history is there, without a sample.
 
     writer: keeps it; state: of the run that it continues, None without one; resumed: tables of the
-    checkpoint from which it continues, None of a run that begins; checkpoints: what writes them,
-    None where there is no file; parameters: of the history; write(parameters=...): makes a history.
+    checkpoint from which it continues, None of a run that begins; checkpoints: what writes them;
+    parameters: of the history; write(parameters=...): makes a history.
     """
 
     writer: Buffer
     state: dict | None
     resumed: dict | None
-    checkpoints: Checkpoints | None
+    checkpoints: Checkpoints
     parameters: dict
     write: Callable
 
@@ -159,8 +159,7 @@ class Prepared(RunPlan):
         )
         how = "explicitly, " if settings.mass_scaling != SELECTIVE else ""
         print(f"{reason}: repeated {how}in steps of {time_step:.3g} s", flush=True)
-        if self.checkpoints:
-            self.checkpoints.remove()
+        self.checkpoints.remove()
         self.writer.begin_again(partial(self.write, parameters=parameters))
         return replace(
             self,
@@ -180,46 +179,66 @@ def prepare(backend, wall_file, make_wall, settings, write=HistoryWriter):
     be no file.
     """
     plan, out = announced(backend, make_wall, settings)
+    settings = plan.settings
     state = plan.past()
-    return _opened(plan, state, plan.parameters_with(wall_file), out, write)
+    parameters = plan.parameters_with(wall_file)
+    write = partial(
+        write,
+        out,
+        plan.layout,
+        solver=backend.name,
+        versions=plan.made_by,
+        overwrite=settings.overwrite,
+    )
+    if settings.resumed:
+        writer, tables = resumed(
+            settings.resumed, plan.layout, parameters, plan.origin, scene=not backend.keeps_state
+        )
+    else:
+        writer = write(parameters=parameters)
+        tables = None
+    checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
+    if not settings.resumed:
+        checkpoints.remove()  # of the run that this one replaces
+    print(f"history: {writer.sink.where}", flush=True)
+    return Prepared(
+        **vars(plan),
+        writer=writer,
+        state=state,
+        resumed=tables,
+        checkpoints=checkpoints,
+        parameters=parameters,
+        write=write,
+    )
 
 
 def announced(backend, make_wall, settings):
     """The RunPlan of a run, which is printed, and the path of its history; arguments and errors as
     of `prepare`."""
     wall = in_units(make_wall(), settings.units)
-    settings = _checked(backend, wall, settings)
-    out = _output_of(backend, wall, settings)
-    plan = plan_of(backend, wall, settings)
-    announce(plan)
-    return plan, out
-
-
-def _checked(backend, wall, settings):
-    """RunSettings with what this solver adds to them for this wall; raises InputError where they do
-    not go together."""
     wall.check_run(settings, backend.name)
     settings.check_plausible(wall)
     settings = settings.for_joint(wall.masonry.joint, backend.softening_beta_s)
     for plane_wall in wall.each_wall:
         backend.check(settings, plane_wall)
-    return settings
-
-
-def _output_of(backend, wall, settings):
-    """Path of the history; raises InputError where it, or its pictures, cannot be written."""
     out = settings.out or free_name(wall.masonry, settings, backend.name)
     if not settings.resumed:
         check_output(out, settings.overwrite)
         if settings.pictures:
             check_pictures(out, settings.overwrite)
-    return out
+    plan = plan_of(backend, wall, settings)
+    announce(plan)
+    return plan, out
 
 
 def plan_of(backend, wall, settings):
     """The RunPlan of a run of settings that were checked; raises InputError."""
     wall = drawn(wall, ranges(settings.model.inputs), settings.model.strength_seed)
-    layout = _laid_out(wall, settings)
+    layout = lay_out_building(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
+    if settings.joints_without_bond:
+        layout = without_bond(layout, settings.joints_without_bond.joints(layout))
+    if settings.settlement:
+        settings.settlement.check_length(float(layout.ground.right.max()))
     modes = natural_modes(layout)
     settings = settings.for_period(float(modes.period_s[0]))
     options = schemes(settings, wall.masonry, modes)
@@ -235,46 +254,3 @@ def plan_of(backend, wall, settings):
         repeats=tuple(repeats),
         so_far=so_far,
     )
-
-
-def _opened(plan, state, parameters, out, write):
-    """The Prepared run of a RunPlan, whose history is opened."""
-    backend = plan.backend
-    settings = plan.settings
-    layout = plan.layout
-    write = partial(
-        write, out, layout, solver=backend.name, versions=plan.made_by, overwrite=settings.overwrite
-    )
-    if settings.resumed:
-        writer, tables = resumed(
-            settings.resumed, layout, parameters, plan.origin, scene=not backend.keeps_state
-        )
-    else:
-        writer = write(parameters=parameters)
-        tables = None
-    checkpoints = None
-    if writer.path:
-        checkpoints = Checkpoints(writer, settings.checkpoint_s, keeps_end=not backend.keeps_state)
-        if not settings.resumed:
-            checkpoints.remove()  # of the run that this one replaces
-    print(f"history: {writer.sink.where}", flush=True)
-    return Prepared(
-        **vars(plan),
-        writer=writer,
-        state=state,
-        resumed=tables,
-        checkpoints=checkpoints,
-        parameters=parameters,
-        write=write,
-    )
-
-
-def _laid_out(wall, settings):
-    """The Layout of a wall with the cracks that it has before the run; RunSettings that do not suit
-    it are refused."""
-    layout = lay_out_building(wall, settings.model, scatter=settings.scatter, seed=settings.seed)
-    if settings.joints_without_bond:
-        layout = without_bond(layout, settings.joints_without_bond.joints(layout))
-    if settings.settlement:
-        settings.settlement.check_length(float(layout.ground.right.max()))
-    return layout

@@ -33,7 +33,7 @@ class Run:
     """The stages of a run, in order: `come_to_rest`, `start`, `run_all`.
 
     The first and the last are generators of the steps that the solver hands out, for
-    `damage.run.cooperative.take_turns`: a run does not know whether it is alone.
+    `damage.run.cooperative.as_they_end`: a run does not know whether it is alone.
 
     layout: damage.wall.layout.Layout; settings: RunSettings; solver: damage.run.solver.Solver of
     this layout; writer: a Buffer of a history; keep_going(run, time_s): called now and then,

@@ -67,11 +67,8 @@ class Sampler:
     def tables(self):
         """What the next samples depend on, {name: array}, for a checkpoint."""
         now = self._solver.instants()
-        time_s, *last = self.last or self.snapshot(0.0, now, now.displacement, 0)
         return self.carried | {
             "samples": np.array(self.count),
-            "last_time_s": np.array(float(time_s)),
-            **{f"last_{k}": np.asarray(values, float) for k, values in enumerate(last)},
             "inferred_j": np.array([self._balance_j, self._damped_j], float),
             "balance": self._balance.state,
             "at_rest": np.zeros_like(now.displacement) + self.at_rest,
@@ -82,10 +79,8 @@ class Sampler:
         self.count = int(tables["samples"])
         self.zero = zero_of(tables, self.zero)
         self.set_in_motion_j = float(tables["set_in_motion_j"])
-        self.last = (
-            float(tables["last_time_s"]),
-            *(tables[f"last_{k}"] for k in range(len(self.last) - 1)),
-        )
+        now = self._solver.instants()
+        self.last = self.snapshot(float(self.time_s(now)[-1]), now, self.motion(now), -1)
         self._balance_j, self._damped_j = tables["inferred_j"].tolist()
         self._balance.state = tables["balance"]
         self.at_rest = tables["at_rest"]

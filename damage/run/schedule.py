@@ -39,10 +39,9 @@ this interval."""
 
 @dataclass(frozen=True)
 class Stage:
-    """shock: number of the shock, from 1; name: "settlement", "motion", "rest" or "settling";
-    start_step, end_step: steps since the end of the static stage."""
+    """name: "settlement", "motion", "rest" or "settling"; start_step, end_step: steps since the end
+    of the static stage."""
 
-    shock: int
     name: str
     start_step: int
     end_step: int
@@ -154,38 +153,29 @@ def stages(settings, layout, time_step, sample_steps):
     sequence = []
     start = 0
     if settings.settlement:
-        length_s = settlement_s(settings, layout)
+        # the ground moves, then the wall comes to rest
+        length_s = settings.settlement.moving_s(layout.ground.right.max()) + SETTLE_S
         start = sample_steps * math.ceil(length_s / (sample_steps * time_step))
-        sequence = [Stage(1, "settlement", 0, start)]
+        sequence = [Stage("settlement", 0, start)]
     if settings.loading.drive.quasi_static:
         height = layout.height_of_push(settings.loading.drive.floor_shares)
         # in the end what damping and the drift are behind fades
         rest_s = PUSH_PERIODS * float(natural_modes(layout).period_s[0])
         length_s = settings.loading.length_s(height) + rest_s
         n = math.ceil(length_s / (sample_steps * time_step))
-        return [*sequence, Stage(1, "motion", start, start + n * sample_steps)]
+        return [*sequence, Stage("motion", start, start + n * sample_steps)]
     if not settings.loading.moves:
         return sequence
-    for shock, event in enumerate(settings.all_events, 1):
+    for event in settings.all_events:
         lengths = {"motion": event.loading.duration_s, "rest": event.rest_s, "settling": SETTLE_S}
         first = start
         elapsed_s = 0.0
         for name, length_s in lengths.items():
             elapsed_s += length_s
             end = first + sample_steps * math.ceil((elapsed_s / time_step - 0.5) / sample_steps)
-            sequence.append(Stage(shock, name, start, end))
+            sequence.append(Stage(name, start, end))
             start = end
     return sequence
-
-
-def settlement_s(settings, layout):
-    """Length of the settlement stage [s], zero without one: the ground moves, then the wall comes
-    to rest."""
-    return (
-        settings.settlement.moving_s(layout.ground.right.max()) + SETTLE_S
-        if settings.settlement
-        else 0.0
-    )
 
 
 def zero_step(stages):
@@ -210,20 +200,14 @@ def settlement_work(n_contacts):
 def check_size(settings, layout, time_step):
     """Raise InputError of a run that is longer than can be, before anything is made for it;
     time_step [s]."""
-    loading = settings.loading
     interval = sample_steps(time_step, settings.mass_scaling)
-    length_s = (
-        loading.length_s(layout.height_of_push(loading.drive.floor_shares))
-        if loading.drive.quasi_static
-        else settings.duration_s
-    )
-    length_s += settlement_s(settings, layout)
+    steps = stages(settings, layout, time_step, interval)[-1].end_step
+    length_s = steps * time_step
     if length_s > LONGEST_S:
         raise InputError(
             f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift,"
             " fewer --cycles or a larger --speed"
         )
-    steps = length_s / time_step
     if steps > MOST_STEPS:
         raise InputError(
             f"a run of {length_s:.6g} s in {steps:.3g} steps of {time_step:.3g} s: expected up to "
@@ -249,18 +233,13 @@ def base_acceleration(settings, schedule, time_step, axes=2):
         return NO_MOTION
     starts = [stage.start_step for stage in schedule if stage.name == "motion"]
     lengths = [round(event.loading.duration_s / time_step) + 1 for event in settings.all_events]
-    base = np.zeros((max(map(sum, zip(starts, lengths))), 2))
+    base = np.zeros((max(map(sum, zip(starts, lengths))), axes))
     for event, start, n_steps in zip(settings.all_events, starts, lengths):
-        factor = event.factor
-        once = event.loading.drive.base(np.arange(n_steps) * time_step)
-        base[start : start + n_steps] = to_grid(factor * once, ACCELERATION)
-    if axes == 2:
-        return base
-    other = np.zeros(len(base))
-    for event, start, n_steps in zip(settings.all_events, starts, lengths):
-        if (record := event.loading.applied_across()) is not None:
-            time_s = np.arange(n_steps) * time_step
-            samples = record.acceleration_m_s2
-            acceleration = event.factor * at_times(time_s, record.time_step_s, samples)
-            other[start : start + n_steps] = to_grid(acceleration, ACCELERATION)
-    return np.column_stack([base, other])
+        rows = slice(start, start + n_steps)
+        time_s = np.arange(n_steps) * time_step
+        in_plane = event.loading.drive.base(time_s)
+        base[rows, :2] = to_grid(event.factor * in_plane, ACCELERATION)
+        if axes == 3 and (record := event.loading.applied_across()) is not None:
+            across = at_times(time_s, record.time_step_s, record.acceleration_m_s2)
+            base[rows, 2] = to_grid(event.factor * across, ACCELERATION)
+    return base

@@ -8,7 +8,7 @@ from damage.history.reader import read_history
 from damage.measure.energy import ENERGY_FAILURE
 from damage.memory import hold_buffers
 from damage.run.checkpoint import checkpoint_path
-from damage.run.cooperative import take_turns
+from damage.run.cooperative import to_its_end
 from damage.run.options import RUN_MEMBERS, parse_run
 from damage.run.prepare import prepare
 from damage.run.progress import attended
@@ -53,8 +53,7 @@ def _run(backend, wall_file, make_wall, arguments, prog):
 def _run_to_its_pictures(prepared, show):
     settings = prepared.settings
     out = prepared.writer.path
-    with attended(prepared.layout.wall.name, show, settings.quiet) as keep_going:
-        (status,) = take_turns([simulate(prepared, keep_going)])
+    status = _status_of(prepared, show=show)
     if status == EXIT_INTERRUPTED and checkpoint_path(out).exists():
         print(f"to continue it, give the same command with --resume {out} in place of --out")
     try:
@@ -70,16 +69,20 @@ def _run_to_its_pictures(prepared, show):
 def history_of(prepared, settled=None):
     """The History of a Prepared run that steps alone; KeyboardInterrupt where it was interrupted;
     settled: as of Run."""
-    with attended(prepared.layout.wall.name, quiet=prepared.settings.quiet) as keep_going:
-        (status,) = take_turns([simulate(prepared, keep_going, settled)])
-    if status == EXIT_INTERRUPTED:
+    if _status_of(prepared, settled) == EXIT_INTERRUPTED:
         raise KeyboardInterrupt
     return prepared.writer.history()
 
 
+def _status_of(prepared, settled=None, show=None):
+    """Run all stages of a Prepared run that steps alone; returns the exit status."""
+    with attended(prepared.layout.wall.name, show, prepared.settings.quiet) as keep_going:
+        return to_its_end(simulate(prepared, keep_going, settled))
+
+
 def simulate(prepared, keep_going, settled=None):
     """Run all stages of a Prepared run, until one is accepted; the history is closed and marked
-    however this ends.  A generator for `take_turns`, which returns the exit status; settled: as of
+    however this ends.  A generator for `to_its_end`, which returns the exit status; settled: as of
     Run."""
     while prepared.repeats:
         try:
@@ -132,11 +135,7 @@ def _simulate(prepared, keep_going, settled):
                 " the wall"
             )
         status = "complete" if finished else "interrupted"
-        if (
-            finished
-            and prepared.checkpoints
-            and not (prepared.checkpoints.keeps_end and collapsed is None)
-        ):
+        if finished and not (prepared.checkpoints.keeps_end and collapsed is None):
             prepared.checkpoints.remove()
     except RunError:
         status = None if prepared.repeats else status  # its history begins again

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from damage.checks import check_range
 from damage.errors import InputError
-from damage.fields import MOST_SEED, check_fields, choice, option_of, quantity
+from damage.fields import MOST_SEED, check_fields, choice, quantity
 from damage.house.plausible import ACCEPT, check_plausible
 from damage.motion.intensity import pga_g, pgv_m_s
 from damage.motion.loading import HIGHEST_G, Recorded
@@ -208,7 +208,7 @@ class RunSettings:
             )
         for factor in self.sequence:
             check_range("a factor of --sequence", factor, -MOST_SCALE, MOST_SCALE)
-        check_fields(self, lambda _, attribute: option_of(attribute, unit=True))
+        check_fields(self)
         for event in self.events:
             check_range("--rest [s]", event.rest_s, 0, LONGEST_S)
         self._check_scaling()

@@ -162,7 +162,7 @@ class ModelOptions:
     )
 
     def __post_init__(self):
-        check_fields(self, lambda _, attribute: option_of(attribute, unit=True))
+        check_fields(self)
         vars(self)["lintel"] = _lintel_word(self.lintel)
         if self.contacts == "gauss" and self.cells % 2:
             raise InputError(

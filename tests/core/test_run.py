@@ -17,7 +17,7 @@ from damage.history.writer import HistoryWriter
 from damage.measure.summary import summarise
 from damage.motion.loading import mean_velocities
 from damage.run import settings as run_settings
-from damage.run.cooperative import take_turns
+from damage.run.cooperative import to_its_end
 from damage.run.monitor import (
     fastest_fallen,
     have_fallen,
@@ -211,10 +211,10 @@ def run_through(tmp_path, at_once):
             overwrite=True,
         )
         run = Run(layout, settings, fake, writer, keep_going)
-        (finished,) = take_turns([run.come_to_rest()])
+        finished = to_its_end(run.come_to_rest())
         if finished:
             run.start()
-            (finished,) = take_turns([run.run_all()])
+            finished = to_its_end(run.run_all())
         writer.finish("complete" if finished else "interrupted", run.collapsed_at_s)
         return finished, run, fake, read_history(path)
 

@@ -113,9 +113,7 @@ class TestSchedule:
     def test_stages_follow_one_another_with_lengths_of_their_own(self, tmp_path):
         asked = settings(file_of(tmp_path, DIFFERENT), "--rest 0.7")
         schedule = stages(asked, None, DT, 100)
-        assert [(stage.shock, stage.name) for stage in schedule] == [
-            (shock, name) for shock in (1, 2, 3) for name in ("motion", "rest", "settling")
-        ]
+        assert [stage.name for stage in schedule] == 3 * ["motion", "rest", "settling"]
         assert schedule[0].start_step == 0 and all(stage.end_step % 100 == 0 for stage in schedule)
         assert all(
             before.end_step == after.start_step for before, after in zip(schedule, schedule[1:])

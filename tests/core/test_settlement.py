@@ -28,7 +28,7 @@ from damage.motion.settlement import FASTEST_M_S, PROFILES, Settlement
 from damage.reference.session import BACKEND
 from damage.reference.solver import ReferenceSolver
 from damage.run.banner import settlement_lines
-from damage.run.cooperative import take_turns
+from damage.run.cooperative import to_its_end
 from damage.run.prepare import prepare
 from damage.run.session import simulate
 from damage.run.settings import RunSettings
@@ -222,7 +222,7 @@ def settled(tmp_path, wall, settlement, model=None, change=lambda layout: layout
     )
     prepared = prepare(BACKEND, "", lambda: wall, settings)
     prepared = replace(prepared, layout=change(prepared.layout))
-    take_turns([simulate(prepared, lambda run, time_s: True)])
+    to_its_end(simulate(prepared, lambda run, time_s: True))
     return read_history(settings.out), prepared.layout
 
 
