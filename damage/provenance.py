@@ -13,22 +13,28 @@ from damage.version import VERSION
 HERE = Path(__file__).parent
 RANGES = "data/ranges/ranges.csv"
 MODEL = [
-    "*",
-    "house",
-    "law",
-    "linear",
-    "mechanics",
-    "motion",
-    "run",
-    "wall",
+    "*.py",
+    "house/**/*.py",
+    "law/**/*.py",
+    "linear/**/*.py",
+    "mechanics/**/*.py",
+    "motion/**/*.py",
+    "run/**/*.py",
+    "wall/**/*.py",
     "measure/energy.py",
     RANGES,
 ]
-"""Folders of this package, one module that ends runs, and a table, which decide the values of a run
-in any solver; "*": the modules beside this one.  Applications add what decides the runs that they
-make possible, as the motions that they draw."""
-MEASURES = ["*", "history", "measure", "motion/intensity.py", "wall/geometry.py"]
-"""Folders and modules that make the numbers of tables out of a history."""
+"""Patterns of the files in this package that decide the values of a run in any solver: modules, and
+a table.  Applications add what decides the runs that they make possible, as the motions that they
+draw."""
+MEASURES = [
+    "*.py",
+    "history/**/*.py",
+    "measure/**/*.py",
+    "motion/intensity.py",
+    "wall/geometry.py",
+]
+"""Patterns of the modules that make the numbers of tables out of a history."""
 _WITHOUT_EFFECT = "__main__.py", "version.py"  # of the modules beside this one
 _SAYING = ("Column", "quantity", "choice", "text")
 UNKNOWN = "unknown"
@@ -127,16 +133,11 @@ def _digest_of(paths):
     return digest.hexdigest()[:12]
 
 
-def _modules(places):
-    """Paths of the modules of folders, and single modules, of this package, a list in one order."""
-    modules = set()
-    for place in places:
-        if place == "*":
-            modules |= {path for path in HERE.glob("*.py") if path.name not in _WITHOUT_EFFECT}
-        else:
-            path = HERE / place
-            modules |= set(path.rglob("*.py")) if path.is_dir() else {path}
-    return sorted(modules, key=lambda path: path.relative_to(HERE).parts)
+def _modules(patterns):
+    """Paths of the files of this package that match patterns, a list in one order."""
+    paths = {path for pattern in patterns for path in HERE.glob(pattern)}
+    paths -= {HERE / name for name in _WITHOUT_EFFECT}
+    return sorted(paths, key=lambda path: path.relative_to(HERE).parts)
 
 
 def code_of(path):

@@ -6,15 +6,14 @@ from functools import partial
 
 import numpy as np
 
-from damage.history import schema
 from damage.history.buffer import stacked
 from damage.history.reader import history_of, read_history
 from damage.history.writer import (
     File,
     HistoryWriter,
     add_parameters,
+    fixed_tables,
     growing_columns,
-    layout_tables,
 )
 
 MOST_BYTES = 10_000_000
@@ -84,8 +83,7 @@ class Memory:
             self._continue_in_file()
         if self._file is not None:
             self._file.finish(status, collapsed_at_s)
-        self._status = status
-        self._collapsed_at_s = collapsed_at_s
+        self._end = status, collapsed_at_s
 
     def _continue_in_file(self):
         if self._file is None:
@@ -104,17 +102,7 @@ class Memory:
     def history(self, path):
         if self._blocks is None:
             return read_history(path)
-        collapsed_at_s = np.nan if self._collapsed_at_s is None else self._collapsed_at_s
-        values = {
-            "run/status": np.uint8(schema.STATUS.index(self._status)),
-            "run/collapsed_at_s": np.float64(collapsed_at_s),
-            **{
-                f"static/{name}": np.float64(self._values.get(name, np.nan))
-                for name in schema.STATIC
-            },
-            **layout_tables(self._layout),
-            **self._columns(),
-        }
+        values = fixed_tables(self._layout, *self._end, self._values) | self._columns()
         return history_of(path, self.attributes, values)
 
 

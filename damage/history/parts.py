@@ -61,9 +61,12 @@ def wall_of(history, name):
             " correct it"
         )
     if house.outside:
-        return _of_face(history, name)
-    number = names.index(name)
-    return _of_wall(_with_slabs_in(history, number), name, number)
+        part = _of_face(history, name)
+    else:
+        number = names.index(name)
+        part = _of_wall(_with_slabs_in(history, number), name, number)
+    path = history.path
+    return replace(part, path=path.with_name(f"{path.stem}:{name}{path.suffix}"))
 
 
 def _of_wall(history, name, number):
@@ -89,7 +92,6 @@ def _of_wall(history, name, number):
         supports=supports,
         support_displacement=moved,
         support_force=history.support_force[:, below],
-        path=history.path.with_name(f"{history.path.stem}:{name}{history.path.suffix}"),
         wall=name,
         parameters=history.parameters
         | {
@@ -129,7 +131,6 @@ def _of_face(history, face):
     total = {"total_joint_length_m": float(joints["length_m"].sum())}
     return replace(
         part,
-        path=history.path.with_name(f"{history.path.stem}:{face}{history.path.suffix}"),
         joints=joints,
         attributes=history.attributes | total,
         house=None,

@@ -15,6 +15,7 @@ import sys
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
+from types import MappingProxyType
 
 import h5py
 import numpy as np
@@ -268,14 +269,19 @@ def _write_fixed(file, layout, attributes):
     file.attrs["schema"] = schema.SCHEMA
     file.attrs["schema_version"] = schema.SCHEMA_VERSION
     file.create_group("run").attrs.update(attributes)
-    fixed = {
-        "run/status": np.uint8(0),
-        "run/collapsed_at_s": np.nan,
-        **{f"static/{name}": np.nan for name in schema.STATIC},
+    for path, values in fixed_tables(layout).items():
+        file.create_dataset(path, data=values).attrs["unit"] = schema.COLUMNS[path].unit
+
+
+def fixed_tables(layout, status="unfinished", collapsed_at_s=None, static=MappingProxyType({})):
+    """What does not grow in the history of a run, {"GROUP/NAME": number or array}; collapsed_at_s:
+    [s], None where no brick fell; static: results of the static stage, where it has ended."""
+    return {
+        "run/status": np.uint8(schema.STATUS.index(status)),
+        "run/collapsed_at_s": np.float64(np.nan if collapsed_at_s is None else collapsed_at_s),
+        **{f"static/{name}": np.float64(static.get(name, np.nan)) for name in schema.STATIC},
         **layout_tables(layout),
     }
-    for path, values in fixed.items():
-        file.create_dataset(path, data=values).attrs["unit"] = schema.COLUMNS[path].unit
 
 
 def layout_tables(layout):

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from damage.errors import InputError, one_line, warn
+from damage.files import whole_or_nothing
 from damage.history.buffer import Buffer
 from damage.history.reader import opened, read_history
 from damage.history.writer import File, lock
@@ -57,20 +58,14 @@ class Checkpoints:
             "run": _digest_of(self._writer.sink.attributes),
         }
         content = as_bytes(tables | of_history).tobytes()
-        beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        digest = hashlib.sha256(content).hexdigest().encode()
         try:
-            with beside.open("wb") as file:
-                file.write(_HEAD + hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+            with whole_or_nothing(self.path) as unfinished, unfinished.open("wb") as file:
+                file.write(_HEAD + digest + b"\n" + content)
                 file.flush()
                 os.fsync(file.fileno())
-            os.replace(beside, self.path)
-        except OSError as error:  # the last one is as it was, and the run needs none
-            beside.unlink(missing_ok=True)
-            warn(
-                f"no checkpoint written to {self.path} ({error.strerror}): make room; the run"
-                " continues",
-                code="checkpoint",
-            )
+        except InputError as error:  # the last one is as it was, and the run needs none
+            warn(f"no checkpoint, the run continues: {error}", code="checkpoint")
         self._last = time.monotonic()
 
     def remove(self):

@@ -1,11 +1,9 @@
-"""What a run watches: the index of this instant, whether the wall is at rest, whether a brick
-fell."""
+"""What a run watches: whether the wall is at rest, whether a brick fell, how the base moves."""
 
 import numpy as np
 
 from damage.elementary import hypot, sin
 from damage.errors import RunError
-from damage.index import THRESHOLD, combine, drift_component, length_fraction
 from damage.run.settings import ACCEPTED_DROP_M
 from damage.units import GRAVITY
 from damage.wall.kinds import ARCH_COURSE, LINTEL_COURSE
@@ -24,29 +22,10 @@ class NotAccepted(RunError):
         self.code = code
 
 
-def index_now(layout, drift_ratio, joints, opening, offset):
-    """The damage index of one instant, slip by displacement; opening, offset: [m] of these joints,
-    zero elsewhere."""
-    exceeded = np.zeros((2, layout.n_joints), bool)
-    length = layout.joint_length
-    exceeded[:, joints] = opening > THRESHOLD, np.abs(offset) > THRESHOLD
-    return float(
-        combine(
-            min(1.0, drift_component(drift_ratio)),
-            *(length_fraction(over, length) for over in exceeded),
-        )
-    )
-
-
-def lowest_places(layout):
-    """Displacement upwards of every brick below which it has fallen, half its height downwards:
-    (n_bricks,) [m]."""
-    return -layout.bodies.height[: layout.n_bricks] / 2
-
-
-def have_fallen(motion, lowest):
-    """At which instants a brick has fallen (n,); motion: (n, n_bodies, 3) since the static stage;
-    lowest: `lowest_places`."""
+def have_fallen(layout, motion):
+    """At which instants a brick has fallen, by half its height (n,); motion: (n, n_bodies, 3) since
+    the static stage."""
+    lowest = -layout.bodies.height[: layout.n_bricks] / 2
     return np.logical_or.reduce(motion[:, : len(lowest), 1] < lowest, axis=1)
 
 

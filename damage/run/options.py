@@ -77,18 +77,12 @@ UNITS = arg(
 )
 PAST = "the wall's past"
 """The title of the options of what a wall went through before the run."""
-_GROUPS = MOTION_GROUPS | {
-    PAST: (
-        file_arg(
-            "--continue",
-            "FILE.h5",
-            "start from the end of this run of the same wall, as if it had continued; in "
-            "YADE one with --checkpoint",
-        ),
-    )
-}
-"""{title: arguments} of the groups of a run's options that every solver has, PAST the last of
-them."""
+_CONTINUE = file_arg(
+    "--continue",
+    "FILE.h5",
+    "start from the end of this run of the same wall, as if it had continued; in YADE one with"
+    " --checkpoint",
+)
 
 
 def _model_arguments(solver):
@@ -208,11 +202,8 @@ SOLVERS = "yade", "reference"
 
 
 def register(source):
-    """Add a Source to SOURCES, and its options to the help, before those of the wall's past or
-    among them."""
+    """Add a Source to SOURCES, and its options to the help."""
     SOURCES.append(source)
-    _GROUPS[source.title] = (*_GROUPS.get(source.title, ()), *source.arguments)
-    _GROUPS[PAST] = _GROUPS.pop(PAST)
     make_parser.cache_clear()
     options_of_a_run.cache_clear()
 
@@ -275,7 +266,7 @@ def make_parser(prog, solver):
     parser = OneLineParser(
         prog=prog,
         allow_abbrev=False,
-        examples=_EXAMPLES.get(solver, ()),
+        examples=_EXAMPLES[solver],
         description=(
             f"Shake one wall ({solver} solver) and write its history, summary and pictures."
             f" {WALLS_ARE_CODE}"
@@ -287,7 +278,10 @@ def make_parser(prog, solver):
 
 def _add_arguments(parser, solver):
     """Add the options of a run in a solver to a parser; returns their actions."""
-    groups = _GROUPS | {"model": _model_arguments(solver), "run": _run_arguments(solver)}
+    groups = dict(MOTION_GROUPS)
+    groups |= {source.title: source.arguments for source in SOURCES}
+    groups[PAST] = (_CONTINUE, *groups.pop(PAST, ()))
+    groups |= {"model": _model_arguments(solver), "run": _run_arguments(solver)}
     return [
         action for title, arguments in groups.items() for action in group(title, *arguments)(parser)
     ]

@@ -6,6 +6,7 @@ import numpy as np
 
 from damage.elementary import total
 from damage.history.buffer import SNAPSHOT_SAMPLES
+from damage.index import damage_index
 from damage.measure.energy import Balance, noise_j
 from damage.run import monitor
 from damage.run.initial_state import with_zero, zero_of
@@ -45,7 +46,6 @@ class Sampler:
         self.collapsed_at_s = None
         moves = settings.ground_moves or bool(state and state["base_moves"])
         self._base_motions = [monitor.BaseMotion(layout, *base) for base in layout.bases if moves]
-        self._lowest = monitor.lowest_places(layout)
         self._borne = monitor.Borne(layout) if settings.mass_scaling == SELECTIVE else None
         # of damping that the solver does not compute
         self._balance_j, self._damped_j = (
@@ -101,15 +101,19 @@ class Sampler:
         return self._balance.error
 
     def index(self, now):
-        """The damage index at the last of these Instants."""
+        """The damage index at the last of these Instants, slip by displacement."""
         _, drift = self.top_and_drift(self.motion(now))
-        return monitor.index_now(
-            self._layout,
-            drift[-1],
-            now.joints,
-            now.contacts["opening_m"][-1],
-            now.contacts["offset_m"][-1],
+        length = self._layout.joint_length
+        index = damage_index(
+            self.time_s(now)[-1:],
+            drift[-1:],
+            opening=now.contacts["opening_m"][-1:],
+            slip=now.contacts["offset_m"][-1:],
+            at_limit=None,  # for which this slip does not ask
+            length=length[now.joints],
+            total_length=length.sum(),
         )
+        return float(index["DI"].iloc[0])
 
     def time_s(self, now):
         """Time of Instants since time zero (n,) [s]."""
@@ -165,7 +169,7 @@ class Sampler:
         that out of the plane."""
         if now.out_of_plane is None:
             return time_s, motion[k]
-        return time_s, motion[k], now.out_of_plane[k] - (self.zero or now).out_of_plane[0]
+        return time_s, motion[k], now.out_of_plane[k] - self.zero.out_of_plane[0]
 
     def write_events(self, events, since=0):
         """Write what a solver drained; since: its clock's zero, in steps since the end of the
@@ -183,7 +187,7 @@ class Sampler:
                 : len(motion), :, 1
             ].min(axis=1)
             motion = motion - np.array([0.0, 1.0, 0.0]) * lowest[:, np.newaxis, np.newaxis]
-        return monitor.have_fallen(motion, self._lowest)
+        return monitor.have_fallen(self._layout, motion)
 
     def _write(self, stage, rows, motion, now, end):
         """Write the first samples, up to this one, with their snapshots and events."""

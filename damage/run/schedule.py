@@ -205,8 +205,8 @@ def check_size(settings, layout, time_step):
     length_s = steps * time_step
     if length_s > LONGEST_S:
         raise InputError(
-            f"a push of {length_s:.6g} s: expected up to {LONGEST_S:g} s; give a smaller drift,"
-            " fewer --cycles or a larger --speed"
+            f"a run of {length_s:.6g} s: expected up to {LONGEST_S:g} s, a million samples; give a"
+            " shorter motion or --rest, fewer --cycles or shocks, less drift or a larger --speed"
         )
     if steps > MOST_STEPS:
         raise InputError(

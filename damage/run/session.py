@@ -46,7 +46,7 @@ def _run(backend, wall_file, make_wall, arguments, prog):
                 )
             return RUN_MEMBERS[0](wall_file, make_wall, settings, arguments)
         # before there is a history
-        show = backend.open_view() if settings.view and backend.open_view else None
+        show = backend.open_view() if settings.view else None
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
 
 

@@ -246,11 +246,6 @@ class RunSettings:
             )
 
     def _check_motion(self):
-        if self.duration_s > LONGEST_S:
-            raise InputError(
-                f"a run of {self.duration_s:.6g} s: expected up to {LONGEST_S:g} s, a million"
-                " samples; give a shorter motion, fewer --cycles or shocks, or a shorter --rest"
-            )
         if self.peak_g > HIGHEST_G:
             raise InputError(
                 f"a base motion of up to {self.peak_g:.3g} g: expected up to {HIGHEST_G:g} g; give"
@@ -351,13 +346,6 @@ class RunSettings:
     def settles(self):
         """How the wall settles after a motion, one of RELAXATIONS."""
         return self.settling or ("adaptive" if self.scales else "local")
-
-    @property
-    def duration_s(self):
-        """From time zero to the end of the last settling stage [s]."""
-        if not self.loading.moves:
-            return 0.0
-        return sum(event.loading.duration_s + event.rest_s + SETTLE_S for event in self.all_events)
 
     def as_dict(self):
         """All parameters as a plain dictionary, for files."""

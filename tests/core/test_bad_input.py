@@ -116,7 +116,7 @@ OPTIONS = {
     "--scale 2": "--scale",
     "--cyclic 0.1;0.2": "commas",
     "--cyclic " + ",".join(2000 * ["0.1"]): "2000 drifts",
-    "--cyclic 20 --cycles 1000 --speed 0.001": "a push of .* up to 2000 s",
+    "--cyclic 20 --cycles 1000 --speed 0.001": "a run of .* up to 2000 s",
     "--boundary fixed": "--boundary",
     "--lintel granite": "granite",
     "--new-contacts": "bricks whose joints have ended collide in YADE",

@@ -425,7 +425,7 @@ def _lives(asked):
     print(write_report([asked.results], None, Heading("Lives of a wall", None, paragraphs)))
 
 
-MODEL.append("applications/groningen/exposure")  # draws motions
+MODEL.append("applications/groningen/exposure/**/*.py")  # draws motions
 
 
 @tables
