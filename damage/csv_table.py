@@ -27,8 +27,8 @@ MOST_ROWS = 500_000
 """Largest number of rows of a file."""
 
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
-_COMMA, _POINT = (re.compile(rf"[-+]?\d*{mark}\d+(?:[eEdD][-+]?\d+)?") for mark in (",", r"\."))
-_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
+_COMMA, _POINT = (rf"[-+]?\d*{mark}\d+(?:[eEdD][-+]?\d+)?" for mark in (",", r"\."))
+_THOUSANDS = r"[-+]?[1-9]\d{0,2}(?:,\d{3})+"
 _NO_NUMBER = re.compile(r"[<>~\u2264\u2265\u2248]|[\d.,]+ *[-\u2013\u2026] *\d")
 """How a cell begins that is a bound or a range."""
 _ONE_NUMBER = (
@@ -144,28 +144,24 @@ class CsvTable:
 
     def _take_decimal_commas(self, text, separator):
         """Write numbers with a decimal point.  Refuses what may be a comma of thousands."""
-        with_commas = [name for name in text if any(map(_COMMA.fullmatch, text[name]))]
-        if not with_commas:
+        commas = text.apply(lambda column: column.str.fullmatch(_COMMA))
+        if not commas.any(axis=None):
             return
-        points = [[bool(_POINT.fullmatch(cell)) for cell in text[name]] for name in text]
+        points = text.apply(lambda column: column.str.fullmatch(_POINT))
         self.refuse(
-            np.any(points, axis=0),
+            points.any(axis=1),
             "a number with a decimal point in a file with decimal commas; expected one "
             "of them, and nothing between thousands",
         )
-        for name in with_commas:
-            is_comma = [bool(_COMMA.fullmatch(cell)) for cell in text[name]]
-            thousands = [bool(_THOUSANDS.fullmatch(cell)) for cell in text[name]]
-            if separator == "," and thousands == is_comma:
+        for name in text.columns[commas.any()]:
+            thousands = text[name].str.fullmatch(_THOUSANDS)
+            if separator == "," and thousands.equals(commas[name]):
                 self.refuse(
                     thousands,
                     f"{name} has a number in quotes whose comma may be of decimals or of thousands;"
                     " expected a decimal point",
                 )
-            text[name] = [
-                cell.replace(",", ".") if comma else cell
-                for cell, comma in zip(text[name], is_comma)
-            ]
+            text[name] = text[name].mask(commas[name], text[name].str.replace(",", "."))
 
     def _column(self, name, column, text):
         """The values of a column as its Column says."""

@@ -84,13 +84,14 @@ def simulate(prepared, keep_going, settled=None):
     """Run all stages of a Prepared run, until one is accepted; the history is closed and marked
     however this ends.  A generator for `to_its_end`, which returns the exit status; settled: as of
     Run."""
-    while prepared.repeats:
+    while True:
         try:
             return (yield from _simulate(prepared, keep_going, settled))
         except RunError as reason:
+            if not prepared.repeats:
+                raise
             prepared = prepared.repeated(reason)
             settled = None
-    return (yield from _simulate(prepared, keep_going, settled))
 
 
 def _simulate(prepared, keep_going, settled):
