@@ -120,7 +120,10 @@ class InputError(_OneLine, ValueError):
 
 
 class RunError(_OneLine, RuntimeError):
-    """A run that cannot continue or whose result is not credible: its message is one line."""
+    """A run that cannot continue or whose result is not credible: its message is one line; code:
+    by which a history says why a run was repeated."""
+
+    code = "failure"
 
 
 class RunWarning(UserWarning):

@@ -16,6 +16,7 @@ from damage.files import write_text
 from damage.history.reader import read_history
 from damage.reference.session import BACKEND, run_references
 from damage.run.session import run_session
+from damage.start import reported
 from damage.wall.file import load_wall, wall_path
 from damage.wall.new import as_toml
 from damage.wall.parameters import Wall
@@ -57,12 +58,14 @@ class Bench:
         source = __file__ if isinstance(wall, Wall) else wall_path(wall)
         if not is_complete(out):
             with silenced() as said:
-                status = run_session(
-                    BACKEND,
-                    source,
-                    lambda: wall if isinstance(wall, Wall) else load_wall(wall),
-                    self._words([*EXPLICIT, *words], out),
-                    prog="paper",
+                status = reported(
+                    lambda: run_session(
+                        BACKEND,
+                        source,
+                        lambda: wall if isinstance(wall, Wall) else load_wall(wall),
+                        self._words([*EXPLICIT, *words], out),
+                        prog="paper",
+                    )
                 )
             self._check(status, out, said.getvalue())
         return read_history(out)

@@ -95,7 +95,9 @@ class File:
         with self._writing():
             for path, dataset in self._growing.items():
                 group = path.partition("/")[0]
-                _copy(dataset, file[path], count_of.get(group, 0))
+                count = count_of.get(group, 0)
+                for first in range(0, count, dataset.chunks[0]):
+                    _extend(dataset, file[path][first : min(count, first + dataset.chunks[0])])
                 if group == "frames":  # later samples had more
                     dataset.resize(count_of["active"], axis=1)
             self._file.flush()
@@ -377,12 +379,6 @@ def _create_growing(file, layout, attributes):
     for path, names in schema.CODES.items():
         file[path].attrs["codes"] = ", ".join(names)
     return made
-
-
-def _copy(dataset, rows, count):
-    """Append the first rows of another dataset, chunk by chunk."""
-    for first in range(0, count, dataset.chunks[0]):
-        _extend(dataset, rows[first : min(count, first + dataset.chunks[0])])
 
 
 def _extend(dataset, rows):

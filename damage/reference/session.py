@@ -1,13 +1,12 @@
 """Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver,
 or many."""
 
-import sys
 from functools import partial
 from pathlib import Path
 
 import numba
 
-from damage.errors import one_line
+from damage.errors import InputError
 from damage.history.writer import HistoryWriter
 from damage.house.house import load_wall_or_house
 from damage.linear.modes import inside_lintels
@@ -23,7 +22,7 @@ from damage.run.prepare import Backend, prepare
 from damage.run.progress import attended
 from damage.run.session import run_session, simulate, with_errors_reported
 from damage.run.settings import LINTELS, SELECTIVE
-from damage.start import EXIT_INPUT, EXIT_INTERRUPTED, reported
+from damage.start import EXIT_INTERRUPTED, reported
 from damage.wall.file import wall_path
 
 PROG = "python3 -m damage reference"
@@ -50,24 +49,20 @@ BACKEND = Backend(
 def run_reference(arguments):
     """Run the command with these words, the wall first (a file, or the name of a wall that ships);
     returns the exit status."""
-    wall, *options = arguments or ["--help"]
-    if wall.startswith("-") and wall not in ("-h", "--help"):
-        print(
-            f"error: {one_line(wall)} comes where a wall file should; give {PROG} WALL.py"
-            " [OPTIONS]",
-            file=sys.stderr,
-        )
-        return EXIT_INPUT
-    if wall.startswith("-"):
+    return reported(lambda: _session(*(arguments or ["--help"])))
+
+
+def _session(wall, *options):
+    if wall in ("-h", "--help"):
         return run_session(BACKEND, "", lambda: None, ["--help"], prog=f"{PROG} WALL")
-    return reported(
-        lambda: run_session(
-            BACKEND,
-            wall_path(wall),
-            lambda: load_wall_or_house(wall),
-            options,
-            prog=f"{PROG} {shown_path(wall)}",
-        )
+    if wall.startswith("-"):
+        raise InputError(f"{wall} comes where a wall file should; give {PROG} WALL.py [OPTIONS]")
+    return run_session(
+        BACKEND,
+        wall_path(wall),
+        lambda: load_wall_or_house(wall),
+        list(options),
+        prog=f"{PROG} {shown_path(wall)}",
     )
 
 

@@ -10,12 +10,10 @@ from damage.wall.kinds import ARCH_COURSE, LINTEL_COURSE
 
 ENERGY = "energy"
 DROP = "drop"
-FAILURE = "failure"
 
 
 class NotAccepted(RunError):
-    """A run with mass scaling that is to be repeated; code: ENERGY or DROP, FAILURE of any other
-    RunError."""
+    """A run with mass scaling that is to be repeated; code: ENERGY or DROP."""
 
     def __init__(self, code, text):
         super().__init__(text)

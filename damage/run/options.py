@@ -354,7 +354,8 @@ def _words(action, name, value):
         return [option] if value is action.const else []
     if isinstance(action, Rows):
         return [word for row in _rows(action, name, value) for word in (option, *map(str, row))]
-    words = [_word(action, item) for item in _listed(value)]
+    several = isinstance(value, (tuple, list, np.ndarray))
+    words = [_word(action, item) for item in (value if several else [value])]
     if isinstance(action.nargs, int) and len(words) != action.nargs:
         raise InputError(
             f"argument {option}: expected {action.nargs} arguments,"
@@ -369,10 +370,6 @@ def _word(action, value):
     if is_whole and getattr(action.type, "__name__", "") == "int":
         return str(int(value))
     return repr(float(value)) if isinstance(value, np.floating) else str(value)
-
-
-def _listed(value):
-    return list(value) if isinstance(value, (tuple, list, np.ndarray)) else [value]
 
 
 def _rows(action, name, value):

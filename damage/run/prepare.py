@@ -17,7 +17,7 @@ from damage.provenance import file_origin, versions
 from damage.run.banner import announce
 from damage.run.checkpoint import Checkpoints, read_end, resumed, schemes_left
 from damage.run.initial_state import read_state, without_bond
-from damage.run.monitor import DROP, FAILURE
+from damage.run.monitor import DROP
 from damage.run.paths import free_name
 from damage.run.report import check_pictures
 from damage.run.schedule import check_size, check_top
@@ -142,11 +142,10 @@ class Prepared(RunPlan):
     def repeated(self, reason):
         """The Prepared run that follows one that was not accepted, by a RunError; its history
         begins anew."""
-        code = getattr(reason, "code", FAILURE)
         (settings, time_step), *others = [
             (scheme, step_s)
             for scheme, step_s in self.repeats
-            if code != DROP or scheme.mass_scaling != SELECTIVE
+            if reason.code != DROP or scheme.mass_scaling != SELECTIVE
         ]
         parameters = (
             self.parameters
@@ -154,7 +153,7 @@ class Prepared(RunPlan):
             | {
                 "time_step_s": time_step,
                 "repeats": self.parameters["repeats"] + 1,
-                "repeated_for": code,
+                "repeated_for": reason.code,
             }
         )
         how = "explicitly, " if settings.mass_scaling != SELECTIVE else ""

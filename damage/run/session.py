@@ -15,25 +15,13 @@ from damage.run.progress import attended
 from damage.run.report import report
 from damage.run.run import Run
 from damage.run.scheme import check_energy
-from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error, reported
+from damage.start import EXIT_INTERRUPTED, EXIT_OK, report_error
 
 
 def run_session(backend, wall_file, make_wall, arguments, prog):
     """Run the wall that `make_wall()` returns, made by `wall_file`, with the words of a command
-    line; the exit status: 0 done, 1 failed, 2 bad input, 130 interrupted."""
-    return reported(lambda: _run(backend, wall_file, make_wall, arguments, prog))
-
-
-def with_errors_reported(name, run):
-    """A run, as of `simulate`, whose errors are printed with its name and end no other; it returns
-    the exit status."""
-    try:
-        return (yield from run)
-    except Exception as error:
-        return report_error(error, name)
-
-
-def _run(backend, wall_file, make_wall, arguments, prog):
+    line; returns the exit status: 0 done, 1 failed, 130 interrupted.  Raises what
+    `damage.start.reported` prints."""
     hold_buffers()
     settings = parse_run(arguments, prog=prog, solver=backend.name)
     with redirect_stdout(io.StringIO()) if settings.quiet else nullcontext():
@@ -48,6 +36,15 @@ def _run(backend, wall_file, make_wall, arguments, prog):
         # before there is a history
         show = backend.open_view() if settings.view else None
         return _run_to_its_pictures(prepare(backend, wall_file, make_wall, settings), show)
+
+
+def with_errors_reported(name, run):
+    """A run, as of `simulate`, whose errors are printed with its name and end no other; it returns
+    the exit status."""
+    try:
+        return (yield from run)
+    except Exception as error:
+        return report_error(error, name)
 
 
 def _run_to_its_pictures(prepared, show):

@@ -29,6 +29,7 @@ from damage.run.schedule import choose_time_step, sample_steps
 from damage.run.session import run_session
 from damage.run.settings import HOLD_AT_MOST_S, LOCAL_DAMPING, RAMP_S
 from damage.run.solver import Instants
+from damage.start import reported
 from damage.units import GRAVITY
 
 DT = 1e-3  # [s]; a sample then lasts ten steps
@@ -341,13 +342,9 @@ def session(tmp_path, capsys, monkeypatch, at_once):
 
         out = tmp_path / "run.h5"
         backend = Backend("reference", {}, make, Path(__file__).parent)
-        status = run_session(
-            backend,
-            __file__,
-            lambda: small_layout().wall,
-            f"{SHAKEN} --no-pictures --overwrite --out {out}".split(),
-            "test",
-        )
+        words = f"{SHAKEN} --no-pictures --overwrite --out {out}".split()
+        wall = small_layout().wall
+        status = reported(lambda: run_session(backend, __file__, lambda: wall, words, "test"))
         printed = without_progress(capsys.readouterr().err)
         return status, printed.splitlines(), read_history(out)
 

@@ -29,6 +29,7 @@ from damage.run.options import parse_run
 from damage.run.prepare import Backend
 from damage.run.report import describe
 from damage.run.session import run_session
+from damage.start import reported
 from damage.units import rounded
 
 SHAKEN = ("--harmonic", "0.05", "0.8", "--cycles", "2", "--rest", "0", "--no-pictures")
@@ -131,12 +132,8 @@ def test_members_have_a_scatter_and_seeds(tiny, words, scatter, seeds):
 
 def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_path, capsys):
     yade = Backend("yade", {}, make=None, code=tmp_path)
-    assert (
-        run_session(
-            yade, tmp_path / "w.py", make_wall=None, arguments=["--members", "3"], prog="yade w.py"
-        )
-        == 2
-    )
+    words = ["--members", "3"]
+    assert reported(lambda: run_session(yade, tmp_path / "w.py", None, words, "yade w.py")) == 2
     printed = capsys.readouterr().err
     assert (
         "expected the reference solver, python3 -m damage reference WALL.py --members N" in printed
