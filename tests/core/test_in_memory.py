@@ -77,6 +77,19 @@ def test_one_that_grows_too_large_goes_on_in_its_file(most_bytes, tmp_path, monk
     assert (tmp_path / "b.h5").exists() and differences(written, kept) == []
 
 
+def test_one_that_has_a_checkpoint_goes_on_in_its_file(tmp_path):
+    """After a kill the checkpoint is of use with the rows of the file alone."""
+
+    def checked(*given, **more):
+        writer = HistoryInMemory(*given, **more)
+        assert not any(writer.sink.rows())
+        return writer
+
+    written = make_history(tmp_path / "a.h5", **CRACKED)
+    kept = make_history(tmp_path / "b.h5", **CRACKED, write=checked)
+    assert (tmp_path / "b.h5").exists() and differences(written, kept) == []
+
+
 @pytest.mark.parametrize("most_bytes", [0, 6000, in_memory.MOST_BYTES])
 def test_one_that_is_kept_is_its_file_which_is_whole(most_bytes, tmp_path, monkeypatch):
     monkeypatch.setattr(in_memory, "MOST_BYTES", most_bytes)
