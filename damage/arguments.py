@@ -6,8 +6,6 @@ import re
 import sys
 from itertools import takewhile
 
-import numpy as np
-
 from damage.checks import check_path
 from damage.errors import InputError, did_you_mean
 
@@ -121,7 +119,7 @@ class Rows(argparse.Action):
 
 def fraction(word):
     """The type of an option that is a number, or two with a stroke between, like 1/500."""
-    over, _, under = str(word).partition("/")
+    over, _, under = word.partition("/")
     try:
         return float(over) / (float(under) if under else 1.0)
     except (ValueError, ZeroDivisionError) as error:
@@ -130,13 +128,11 @@ def fraction(word):
         ) from error
 
 
-def numbers(value):
-    """The type of an option of several numbers: a word with commas between them, or numbers."""
+def numbers(word):
+    """The type of an option of several numbers with commas between them."""
     try:
-        return tuple(
-            map(float, value.split(",") if isinstance(value, str) else np.atleast_1d(value))
-        )
-    except (TypeError, ValueError) as error:
+        return tuple(map(float, word.split(",")))
+    except ValueError as error:
         raise argparse.ArgumentTypeError(
-            f"{value}: expected numbers with commas between, like 1,0.5,0.4; correct it"
+            f"{word}: expected numbers with commas between, like 1,0.5,0.4; correct it"
         ) from error

@@ -67,12 +67,12 @@ def text_lines(path, data, most, errors="strict"):
     lines[-1:] = [line.rstrip("\x1a") for line in lines[-1:]]
     if len(lines) > most:
         raise InputError(f"{path}: more than {most} lines; expected fewer, take some out")
-    longest = max(range(len(lines)), key=lambda k: len(lines[k]), default=None)
-    if lines and len(lines[longest]) > LONGEST_LINE:
-        raise InputError(
-            f"{path} line {longest + 1}: {len(lines[longest])} characters; expected up to"
-            f" {LONGEST_LINE}, break it into rows"
-        )
+    for number, line in enumerate(lines, 1):
+        if len(line) > LONGEST_LINE:
+            raise InputError(
+                f"{path} line {number}: {len(line)} characters; expected up to {LONGEST_LINE},"
+                " break it into rows"
+            )
     return lines
 
 

@@ -23,9 +23,9 @@ BY_FILE = "file"
 """Value of --unit for the unit that the file names; for tables whose cells may not be empty."""
 
 
-def _factors(value):
+def _factors(word):
     """The type of --sequence: numbers, or the path of a table."""
-    return file_path(value) if str(value).lower().endswith(".csv") else numbers(value)
+    return file_path(word) if word.lower().endswith(".csv") else numbers(word)
 
 
 PREPARATION = (
