@@ -22,7 +22,9 @@ runs a point once, without scatter. `docs/reference/studies.md` describes all ke
 
 import hashlib
 import re
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -59,7 +61,6 @@ CONCLUSION = re.compile(r"python3 -m (damage|paper) ([a-z][a-z-]*)")
 """A command of this software; it gets the study's folder and `--markdown tables/NAME.md`."""
 MOST_MEMBERS = 10_000
 """Runs of an ensemble."""
-_ENSEMBLES = "members", "samples", "lives"
 HEAVY = 0.1
 """Range of the first members' values over their median from which as many again are run: the median
 of five is then uncertain by some percent, and a sixth member lies outside of their range in one
@@ -70,8 +71,6 @@ JUDGED = ("max_DI", "max_drift_ratio")
 """Measures whose spread `tails_are_heavy` judges."""
 LIVES_A_POINT = 48
 """Largest number of lives of a point."""
-FROM = "_from"
-"""Words before the number of the first life in a point's name."""
 KEYS = {
     "name": "names the folder of the results: letters, digits, '.', '_' or '-'",
     "title": "one line for people",
@@ -179,11 +178,8 @@ class StudyRun:
         ]
         if 1 not in records or records[1]["intact"]:
             return 1
-        return (
-            self.most_members
-            if len(first) == self.members and tails_are_heavy(first)
-            else self.members
-        )
+        is_heavy = len(first) == self.members and tails_are_heavy(first)
+        return self.most_members if is_heavy else self.members
 
     def runs_at_most(self, records):
         """Number of runs that it may come to, from the results so far, as of `runs_needed`."""
@@ -292,13 +288,16 @@ def study_of(table, path, solver="reference", root=None):
     looked for; otherwise as `load_study`."""
     path = Path(path).absolute()
     root = Path(root or ".").resolve()
-    _check_keys(table, set(KEYS), f"{path}")
+    find = partial(_find, path.parent, root)
+    with _named(path):
+        _check_keys(table, KEYS)
     check_choices(path, table.get("states", []), table.get("intensity"))
-    runs = [
-        run
-        for entry, where in _entries(table, path, root)
-        for run in _load_entry(entry, where, path.parent, root)
-    ]
+    runs = []
+    for where, entry, is_grid in _entries(table, path):
+        with _named(where):
+            _check_keys(entry, ENTRY_KEYS | GRID_KEYS if is_grid else ENTRY_KEYS)
+            points = _points(entry, find, root) if is_grid else [entry]
+            runs += [(run, where) for point in points for run in _load_entry(point, find)]
     chosen = [(run, where) for run, where in runs if solver in ("both", run.solver)]
     study = Study(
         name=table.get("name"),
@@ -311,20 +310,30 @@ def study_of(table, path, solver="reference", root=None):
         conclusion=table.get("conclusion"),
     )
     for run, where in chosen:  # last, as each may read a record
-        _try_options(run, where, root)
+        with _named(where):
+            _try_options(run, root)
     return study
 
 
-def _check_keys(table, known, where):
-    if unknown := sorted(set(table) - known):
+@contextmanager
+def _named(where):
+    """Begin the message of every InputError with where the mistake is, while this lasts."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def _check_keys(table, known):
+    if unknown := sorted(set(table) - set(known)):
         raise InputError(
-            f"{where}: unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; take it out"
-            f" or correct its spelling{did_you_mean(unknown[0], known)}"
+            f"unknown key {unknown[0]!r}; expected {', '.join(sorted(known))}; take it out or"
+            f" correct its spelling{did_you_mean(unknown[0], known)}"
         )
 
 
-def _entries(table, path, root):
-    """Yield (table of a point, its position in the file), first of runs, then of grids."""
+def _entries(table, path):
+    """Yield (position in the file, table, whether it is a grid) of runs, then of grids."""
     for kind, what in (("runs", "run"), ("grid", "grid")):
         tables = table.get(kind, [])
         if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
@@ -332,132 +341,103 @@ def _entries(table, path, root):
                 f"{path}: {kind} is no list of tables; expected one [[{kind}]] for each; write them"
             )
         for number, entry in enumerate(tables, start=1):
-            where = f"{path}, {what} {number}"
-            _check_keys(entry, {*ENTRY_KEYS, *(GRID_KEYS if kind == "grid" else ())}, where)
-            for point in _points(entry, where, path.parent, root) if kind == "grid" else [entry]:
-                yield point, where
+            yield f"{path}, {what} {number}", entry, kind == "grid"
 
 
-def _points(grid, where, folder, root):
+def _points(grid, find, root):
+    """Tables of the points that a grid stands for."""
     if "rows" not in grid:
-        return expand(grid, where)
+        return expand(grid)
     if not isinstance(grid["rows"], str):
-        raise InputError(
-            f"{where}: rows = {grid['rows']!r}; expected the path of a CSV table; correct it"
-        )
-    return expand(grid, where, read_rows(root / _find(where, folder, root, grid["rows"]), where))
+        raise InputError(f"rows = {grid['rows']!r}; expected the path of a CSV table; correct it")
+    path = root / find(grid["rows"])
+    with _named("rows"):
+        rows = read_rows(path)
+    return expand(grid, rows)
 
 
-def _load_entry(table, where, folder, root):
-    """(StudyRun, position in the file) of one point for each of its solvers."""
+def _load_entry(table, find):
+    """The StudyRuns of one point, in each of its solvers."""
     if not isinstance(table.get("wall"), str):
         raise InputError(
-            f"{where}: wall = {table.get('wall')!r}; expected a path like "
-            '"walls/symmetric.py"; give one'
+            f'wall = {table.get("wall")!r}; expected a path like "walls/symmetric.py"; give one'
         )
     solvers = table.get("solvers", list(SOLVERS))
     if not isinstance(solvers, list) or not solvers or not set(solvers) <= set(SOLVERS):
         raise InputError(
-            f"{where}: solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)};"
-            " correct it"
+            f"solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; correct it"
         )
-    options = option_table(_existing_files(table.get("options", {}), where, folder, root), where)
+    options = option_table(_existing_files(table.get("options", {}), find))
     if reserved := [name for name in options if name in RESERVED_OPTIONS]:
-        raise InputError(f"{where}: --{reserved[0]} is set by the batch itself; take it out")
-    wall = _find(where, folder, root, table["wall"])
-    try:
-        options = with_paths(options, lambda path: _find(where, folder, root, path))
-        name = table.get("id", run_name(wall, options))
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-    drawing, ensemble = _ensemble(table, where)
+        raise InputError(f"--{reserved[0]} is set by the batch itself; take it out")
+    wall = find(table["wall"])
+    options = with_paths(options, find)
+    name = table.get("id", run_name(wall, options))
     drawn = {"samples", "lives"} & set(table)
     solvers = [
         solver for solver in SOLVERS if solver in solvers and not (solver == "yade" and drawn)
     ]
     if not solvers:
         raise InputError(
-            f"{where}: solvers = ['yade'] with samples or lives, which the reference solver runs;"
-            " take solvers out"
+            "solvers = ['yade'] with samples or lives, which the reference solver runs; take"
+            " solvers out"
         )
-    try:
-        given = {"yade": tuple(options.items()), "reference": (*options.items(), *drawing)}
-        return [
-            (
-                StudyRun(
-                    name + block,
-                    wall,
-                    given[solver],
-                    solver,
-                    entry=name,
-                    **(ensemble if solver == "reference" else {}),
-                    **part,
-                ),
-                where,
-            )
-            for solver in solvers
-            for block, part in _blocks(table)
-        ]
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
+    given = tuple(options.items())
+    runs = [StudyRun(name, wall, given, solver, entry=name) for solver in solvers]
+    return [part for run in runs for part in _ensemble(table, run)]
 
 
-def _blocks(table):
-    """(end of the point's name, fields of StudyRun) of the points that an entry stands for: lives
-    are divided, so that a shard need not have all of them; one otherwise."""
-    for first in range(1, table.get("lives", 1) + 1, LIVES_A_POINT):
-        here = min(LIVES_A_POINT, table.get("lives", 1) + 1 - first)
-        yield (
-            (f"{FROM}{first}", {"members": here, "offset": first - 1})
-            if "lives" in table
-            else ("", {})
-        )
-
-
-def _ensemble(table, where):
-    """Further options and fields of the StudyRun of an ensemble, by `members`, `samples` or
-    `lives`; empty without."""
-    given = [name for name in _ENSEMBLES if name in table]
+def _ensemble(table, run):
+    """The StudyRuns that a StudyRun without scatter becomes by `members`, `samples` or `lives`; of
+    lives several, so that a shard need not have all of them."""
+    given = [name for name in ("members", "samples", "lives") if name in table]
     if len(given) > 1:
         raise InputError(
-            f"{where}: {given[0]} and {given[1]} given together; expected one kind of ensemble,"
-            " leave the other out"
+            f"{given[0]} and {given[1]} given together; expected one kind of ensemble, leave the"
+            " other out"
         )
     if "scatter" in table and "members" not in table:
-        raise InputError(f"{where}: scatter without members; expected both; add members = 5")
+        raise InputError("scatter without members; expected both; add members = 5")
     for name in given:
-        check_whole(f"{where}: {name}", table[name], 1, MOST_MEMBERS)
+        check_whole(name, table[name], 1, MOST_MEMBERS)
+    size = table.get("scatter", SCATTER)
+    if type(size) not in (int, float) or not size > 0:
+        raise InputError(
+            f"scatter = {size!r}; expected a number above zero, like 0.001; correct it"
+        )
+    if run.solver == "yade" or not given:
+        return [run]
+    count = table[given[0]]
     if "members" in table:
-        size = table.get("scatter", SCATTER)
-        if type(size) not in (int, float) or not size > 0:
-            raise InputError(
-                f"{where}: scatter = {size!r}; expected a number above zero, like 0.001; correct it"
-            )
-        return (("scatter", size),), {
-            "varied": "seed",
-            "members": table["members"],
-            "adaptive": True,
-        }
-    if "lives" in table:
-        return (), {"varied": "life"}
-    return (), (
-        {"varied": "strength_seed", "members": table["samples"]} if "samples" in table else {}
-    )
+        options = (*run.options, ("scatter", size))
+        return [replace(run, options=options, varied="seed", members=count, adaptive=True)]
+    if "samples" in table:
+        return [replace(run, varied="strength_seed", members=count)]
+    return [
+        replace(
+            run,
+            point=f"{run.point}_from{first}",
+            varied="life",
+            members=min(LIVES_A_POINT, count + 1 - first),
+            offset=first - 1,
+        )
+        for first in range(1, count + 1, LIVES_A_POINT)
+    ]
 
 
-def _existing_files(options, where, folder, root):
+def _existing_files(options, find):
     """The options with each list of paths replaced by its first existing file."""
     if not isinstance(options, dict):
         return options
     lists = {name: options[name] for name in file_options() if isinstance(options.get(name), list)}
     return options | {
-        name: _find(where, folder, root, *paths)
+        name: find(*paths)
         for name, paths in lists.items()
         if paths and all(isinstance(path, str) for path in paths)
     }
 
 
-def option_table(options, where="options"):
+def option_table(options):
     """{name: value} of the options of a run from a table, or from a list of words; lists become
     tuples.
 
@@ -467,10 +447,10 @@ def option_table(options, where="options"):
     {'harmonic': (0.2, 0.05), 'free-vibration': True}
     """
     if isinstance(options, list):
-        options = _of_words(options, where)
+        options = _of_words(options)
     if not isinstance(options, dict):
         raise InputError(
-            f"{where}: options = {options!r}; expected a table or a list of words; write "
+            f"options = {options!r}; expected a table or a list of words; write "
             "options = { rest = 1 }"
         )
     table = {
@@ -481,13 +461,11 @@ def option_table(options, where="options"):
             value if isinstance(value, tuple) else () if isinstance(value, bool) else (value,)
         ):
             if isinstance(item, bool) or not isinstance(item, (str, int, float)):
-                raise InputError(
-                    f"{where}: {name} holds {item!r}; expected numbers and strings; correct it"
-                )
+                raise InputError(f"{name} holds {item!r}; expected numbers and strings; correct it")
     return table
 
 
-def _of_words(words, where):
+def _of_words(words):
     """The table of options that a list of words stands for."""
     table = {}
     name = None
@@ -497,7 +475,7 @@ def _of_words(words, where):
             table[name] = [*table.get(name, ()), *([value] if value else ())]
         elif name is None:
             raise InputError(
-                f"{where}: options begin with {word!r}; expected an option like --rest; correct it"
+                f"options begin with {word!r}; expected an option like --rest; correct it"
             )
         else:
             table[name].append(word)
@@ -515,7 +493,7 @@ def _candidates(path, folder, root):
     )
 
 
-def _find(where, folder, root, *paths):
+def _find(folder, root, *paths):
     """The path of the first of these files that is beside the study, in the repository or among
     what ships: relative within the repository, else absolute."""
     for path in paths:
@@ -526,24 +504,21 @@ def _find(where, folder, root, *paths):
                 return str(whole.relative_to(root) if whole.is_relative_to(root) else whole)
     known = [*shipped_walls(), *shipped_records()]
     raise InputError(
-        f"{where}: no file {' or '.join(paths)}; expected one beside the study or in the"
+        f"no file {' or '.join(paths)}; expected one beside the study or in the"
         " repository, or the name of a wall or record that ships"
         f"{did_you_mean(Path(paths[0]).stem, known)}"
     )
 
 
-def _try_options(run, where, root):
+def _try_options(run, root):
     """Check the options by the parser of a run, those of the first member included."""
     if taken := [name for name, _ in run.options if name.replace("-", "_") == run.varied]:
-        raise InputError(f"{where}: --{taken[0]} is set by members, samples or lives; take it out")
-    try:
-        settings = run.settings(root)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
+        raise InputError(f"--{taken[0]} is set by members, samples or lives; take it out")
+    settings = run.settings(root)
     if run.varied == "strength_seed" and not settings.model.draws:
         raise InputError(
-            f"{where}: samples of walls that do not differ; expected strength-cov = 0.3,"
-            ' or inputs = "typical", among the options; add one of them'
+            "samples of walls that do not differ; expected strength-cov = 0.3, or inputs ="
+            ' "typical", among the options; add one of them'
         )
 
 

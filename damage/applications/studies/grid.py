@@ -25,9 +25,9 @@ MOST_POINTS = 100_000
 _NAME = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 
 
-def expand(grid, where, rows=None):
-    """The tables that a grid stands for: row by row, in the order of its values, the last named
-    varying fastest.
+def expand(grid, rows=None):
+    """Return the tables that a grid stands for: row by row, in the order of its values, the last
+    named varying fastest.
 
     grid: a table with `vary` and any others, which are kept; rows: dictionaries of values that
     belong together, as `read_rows` returns them.  Raises InputError, which says what is wrong.
@@ -37,46 +37,40 @@ def expand(grid, where, rows=None):
     vary = grid.get("vary", {} if "rows" in grid else None)
     if not isinstance(vary, dict) or not (vary or "rows" in grid):
         raise InputError(
-            f"{where}: vary = {vary!r}; expected a table of lists, like vary = {{ scale = [0.5,"
-            " 1] }"
+            f"vary = {vary!r}; expected a table of lists, like vary = {{ scale = [0.5, 1] }}"
         )
-    lists = {name: _values(name, values, where) for name, values in vary.items()}
+    lists = {name: _values(name, values) for name, values in vary.items()}
     count = len(rows) * math.prod(map(len, lists.values()))
     if count > MOST_POINTS:
         raise InputError(
-            f"{where}: vary stands for {count} runs; expected up to {MOST_POINTS}; take some"
-            " values out"
+            f"vary stands for {count} runs; expected up to {MOST_POINTS}; take some values out"
         )
     if twice := sorted(lists.keys() & rows[0].keys()):
         raise InputError(
-            f"{where}: vary and rows both name {twice[0]!r}; expected it in one of them; take"
-            " one out"
+            f"vary and rows both name {twice[0]!r}; expected it in one of them; take one out"
         )
     if unused := sorted({*lists, *rows[0]} - _names(fixed)):
         raise InputError(
-            f"{where}: vary names {unused[0]!r}, which nothing uses; expected {{{unused[0]}}} in"
+            f"vary names {unused[0]!r}, which nothing uses; expected {{{unused[0]}}} in"
             " its wall or options; write it there or take it out"
         )
     return [
-        _replaced(fixed, row | dict(zip(lists, chosen)), where)
+        _replaced(fixed, row | dict(zip(lists, chosen)))
         for row in rows
         for chosen in itertools.product(*lists.values())
     ]
 
 
-def read_rows(path, where):
+def read_rows(path):
     """The rows of a CSV table as dictionaries, numbers as numbers; raises InputError, which says
     what is wrong."""
-    try:
-        table = read_csv(path, most_rows=MOST_POINTS)
-        table.refuse_empty(*table.names)
-        if odd := [name for name in table.names if not _NAME.fullmatch(f"{{{name}}}")]:
-            raise InputError(
-                f"{path} has a column {odd[0]!r}; expected names like record or scale, "
-                "in its first line; correct it"
-            )
-    except InputError as error:
-        raise InputError(f"{where}: rows: {error}") from None
+    table = read_csv(path, most_rows=MOST_POINTS)
+    table.refuse_empty(*table.names)
+    if odd := [name for name in table.names if not _NAME.fullmatch(f"{{{name}}}")]:
+        raise InputError(
+            f"{path} has a column {odd[0]!r}; expected names like record or scale, in its first"
+            " line; correct it"
+        )
     return [
         {name: _number_or_word(word) for name, word in row.items()}
         for row in table.rows.to_dict("records")
@@ -93,7 +87,7 @@ def _number_or_word(text):
     return text
 
 
-def _values(name, values, where):
+def _values(name, values):
     """The values of one name; { from, to } are whole numbers."""
     if (
         isinstance(values, dict)
@@ -103,7 +97,7 @@ def _values(name, values, where):
         values = range(values["from"], min(values["to"], values["from"] + MOST_POINTS) + 1)
     if not isinstance(values, list | range) or not values:
         raise InputError(
-            f"{where}: vary holds {name} = {values!r}; expected a list with values, or "
+            f"vary holds {name} = {values!r}; expected a list with values, or "
             "{ from = 1, to = 25 }; correct it"
         )
     return values
@@ -117,16 +111,17 @@ def _names(value):
     return set().union(*map(_names, parts))
 
 
-def _replaced(value, chosen, where):
+def _replaced(value, chosen):
+    """A value of a table with the names in its strings replaced by chosen values."""
     if isinstance(value, dict):
-        return {key: _replaced(part, chosen, where) for key, part in value.items()}
+        return {key: _replaced(part, chosen) for key, part in value.items()}
     if isinstance(value, list):
-        return [_replaced(part, chosen, where) for part in value]
+        return [_replaced(part, chosen) for part in value]
     if not isinstance(value, str):
         return value
     if unknown := sorted(_names(value) - set(chosen)):
         raise InputError(
-            f"{where}: {value!r} names {unknown[0]!r}, which vary does not; expected one of "
+            f"{value!r} names {unknown[0]!r}, which vary does not; expected one of "
             f"{', '.join(chosen)}; correct its spelling"
         )
     whole = _NAME.fullmatch(value)

@@ -27,7 +27,7 @@ class TestGrid:
             "options": {"harmonic": ["{t}", 0.1], "x": "a{t}"},
             "vary": {"w": ["a", "b"], "t": [1, 2.5]},
         }
-        tables = expand(grid, "here")
+        tables = expand(grid)
         assert [(one["wall"], one["options"]["harmonic"]) for one in tables] == [
             ("a.py", [1, 0.1]),
             ("a.py", [2.5, 0.1]),
@@ -38,7 +38,7 @@ class TestGrid:
 
     def test_a_range_has_both_ends(self):
         grid = {"wall": "{w}.py", "vary": {"w": {"from": 2, "to": 4}}}
-        assert [one["wall"] for one in expand(grid, "here")] == ["2.py", "3.py", "4.py"]
+        assert [one["wall"] for one in expand(grid)] == ["2.py", "3.py", "4.py"]
 
     def test_rows_of_a_file_go_with_every_value_of_vary(self, tmp_path):
         (tmp_path / "list.csv").write_text(
