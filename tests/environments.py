@@ -34,7 +34,7 @@ def run_in(python, script, *words):
     """What a script of these tests prints in another interpreter, without this repository on its
     path."""
     done = subprocess.run(
-        [python, "-I", Path(__file__).parent / "applications/report/other_tools" / script, *words],
+        [python, "-I", Path(__file__).parent / "applications/other_tools" / script, *words],
         capture_output=True,
         text=True,
         timeout=900,

@@ -54,12 +54,6 @@ def program(purpose):
     return keep
 
 
-def extend(name, *arguments):
-    """Add arguments to a command of another application."""
-    command = COMMANDS[name]
-    COMMANDS[name] = command._replace(arguments=(*command.arguments, *arguments))
-
-
 def tables(function):
     """Let a function say which tables of an application the data dictionary has."""
     DICTIONARY.append(function)

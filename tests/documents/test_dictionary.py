@@ -9,7 +9,7 @@ from conftest import REPOSITORY
 from small_history import make_history
 from test_fragility import walls
 
-from damage.applications.report.curves import coefficients
+from damage.applications.studies.curves import coefficients
 from damage.applications.studies.fragility import at_intensities, fit_all, fragility_table
 from damage.applications.studies.tables import points_of
 from damage.commands.table import all_tables
@@ -62,7 +62,7 @@ def test_tables_of_a_study(history):
 
 def test_tables_of_fragility():
     fits = fit_all(walls(10, seed=1), "pga_g", replicates=2)
-    curves = fragility_table(fits, "pga_g").assign(slip="displacement")
+    curves = fragility_table(fits).assign(slip="displacement")
     assert set(curves) <= set(known("fragility_INTENSITY.csv"))
     assert set(coefficients(fits)) == set(known("fragility_coefficients.csv"))
     assert set(at_intensities(fits, [0.1])) == set(known("fragility_INTENSITY_at.csv"))

@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-from damage.applications.studies.commands import WRITERS
 from damage.arguments import arg, file_arg, flag, group, number_from
-from damage.commands.table import HISTORY, command, extend, out, output, tables
-from damage.errors import InputError
+from damage.commands.table import HISTORY, command, out, output
 from damage.history.reader import read_history
 
 
@@ -134,52 +132,3 @@ def _report(asked):
             asked.paths, asked.out, Heading(asked.title, asked.author, asked.text, asked.language)
         )
     )
-
-
-def _export_curves(asked, runs, fits, intensity):
-    """Write fragility curves where --export says."""
-    if asked.export is None:
-        return
-    from damage.applications.report.curves import without_nrml, write_curves
-
-    for line in (*write_curves(fits, asked.export, _periods(runs, intensity)), *without_nrml(fits)):
-        print(line)
-
-
-def _periods(runs, intensity):
-    """{wall: first period [s]} where files name it, of the spectral acceleration there, else {}."""
-    from pandas import to_numeric
-
-    if intensity != "sa_eigen_period_g":
-        return {}
-    if (
-        "eigen_period_s" not in runs
-        or not (to_numeric(runs["eigen_period_s"], errors="coerce") > 0).all()
-    ):
-        raise InputError(
-            "--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the"
-            " period that NRML names; expected a number above zero; choose another intensity, as"
-            " --intensity pga_g, or run the study again"
-        )
-    return runs.groupby("wall")["eigen_period_s"].median()
-
-
-extend(
-    "fragility",
-    output(
-        file_arg(
-            "--export",
-            "DIR",
-            "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
-            "coefficients with units",
-        )
-    ),
-)
-WRITERS.append(_export_curves)
-
-
-@tables
-def _tables():
-    from damage.applications.report.curves import COLUMNS
-
-    return {"fragility_coefficients.csv": COLUMNS}

@@ -274,10 +274,10 @@ def _fragility(folder, summary):
         fits = fit_all(runs, intensity, REPLICATES, states)
     except InputError as error:
         return {"why": str(error)}
-    table = fragility_table(fits, intensity)
+    table = fragility_table(fits)
     return {
         "notes": list(mixed(runs)),
         "heads": list(table),
         "rows": [[_cell(value) for value in row] for row in table.to_numpy(object)],
-        "figures": list(starmap(drawn, fragility_pictures(runs, fits, intensity))),
+        "figures": list(starmap(drawn, fragility_pictures(runs, fits))),
     }

@@ -99,6 +99,26 @@ FRAGILITY = {
     "replicates": Column("1", "bootstrap samples that were drawn"),
     **SLIP,
 }
+_UNIT = "as `intensity_unit` says"
+COEFFICIENTS = CURVE | {
+    "level_unit": Column("", "unit of the level"),
+    "intensity_unit": Column("", "unit of the median"),
+    "distribution": Column(
+        "",
+        "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
+        "dispersion is known; none: the runs determine no curve",
+    ),
+    "median": Column(_UNIT, "intensity at which half of the runs exceed the level"),
+    "step_low": Column(_UNIT, "of a step: intensity up to which no run exceeds the level"),
+    "step_high": Column(_UNIT, "of a step: intensity from which on all runs do"),
+    "new_record_low": Column(_UNIT, "lower bound of a new record's own median"),
+    "new_record_high": Column(_UNIT, "upper bound of a new record's own median"),
+    "dispersion": Column("1", "standard deviation of the intensity's logarithm, empty of a step"),
+    "common_median": Column(
+        _UNIT, "median of the curve in NRML, which has one dispersion for the levels of a measure"
+    ),
+    "common_dispersion": Column("1", "that dispersion"),
+}
 AT = _STATE | {
     "value": Column("as `unit` says", "of the intensity"),
     "unit": Column("", "of the intensity"),
@@ -123,6 +143,7 @@ TABLES = {
     "points.csv": POINTS,
     "fragility_INTENSITY.csv": FRAGILITY,
     "fragility_INTENSITY_at.csv": AT,
+    "fragility_coefficients.csv": COEFFICIENTS,
 }
 """{tables, as their files are called: {column: Column}}; `summary.csv` of `python3 -m damage
 tables` has no members."""

@@ -2,15 +2,11 @@
 
 from damage.applications.studies.read import made_by_words
 from damage.arguments import arg, file_arg, group, number_from
-from damage.commands.table import STYLE, command, out, program, save, tables
+from damage.commands.table import STYLE, command, out, output, program, save, tables
 from damage.errors import warn
 from damage.files import json_text
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
-
-WRITERS = []
-"""Functions of the options of `fragility`, the runs, their fits and the intensity, which write the
-curves in other formats and print where; applications add theirs."""
 
 
 @program("run a study: simulations, tables and pictures (see study --help)")
@@ -95,12 +91,21 @@ def _study_schema(asked):
     ),
     out("folder for tables and pictures"),
     STYLE,
+    output(
+        file_arg(
+            "--export",
+            "DIR",
+            "folder for the curves in other tools' formats: NRML (OpenQuake), a CSV of "
+            "coefficients with units",
+        )
+    ),
     examples=(
         "results/fragility --out curves",
         'results/fragility --intensity record_pga_g --state "moderate: max_psi > 2" --out curves',
     ),
 )
 def _fragility(asked):
+    from damage.applications.studies.curves import write_curves
     from damage.applications.studies.fragility import (
         at_intensities,
         choices_of,
@@ -115,10 +120,10 @@ def _fragility(asked):
     runs, intensity, states = choices_of(asked.study, asked.intensity, asked.states)
     warn(*filter(None, [unfinished(asked.study)]), *mixed(runs))
     fits = fit_all(runs, intensity, asked.replicates, states)
-    for write in WRITERS:
-        write(asked, runs, fits, intensity)
+    for line in write_curves(runs, fits, asked.export) if asked.export else ():
+        print(line)
     print(in_words(fits))
-    table = fragility_table(fits, intensity).assign(slip="displacement")
+    table = fragility_table(fits).assign(slip="displacement")
     print(write_table(table, asked.out / f"fragility_{intensity}.csv"))
     if asked.at:
         table = at_intensities(fits, asked.at)
@@ -129,7 +134,7 @@ def _fragility(asked):
         )
         print(write_table(table, asked.out / f"fragility_{intensity}_at.csv"))
     save(
-        fragility_pictures(runs, fits, intensity),
+        fragility_pictures(runs, fits),
         asked.out,
         f"study {shown_path(asked.study)}; {made_by_words(runs)}",
     )

@@ -60,6 +60,8 @@ _ALIKE = "solver", "settlement", "distortion", "shocks", "alpha_1_s", "beta_s", 
 SAME_INTENSITY = 0.01
 """Two that differ by a smaller share [-] count as one."""
 REPLICATES = 500
+SEED = 1
+"""Of the bootstrap samples."""
 _PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
 """Range of a fitted dispersion [-]; at its ends the runs determine none."""
@@ -70,12 +72,13 @@ _STARTS = 0.5, 0.2
 class Fit(NamedTuple):
     """A lognormal curve: median, dispersion [-], NaN where the runs determine none; why: the
     reason, "" where they do. side: where the median lies then: 1 above all intensities that were
-    run, -1 below, 0 not known."""
+    run, -1 below, 0 not known.  step: as of `step_of`."""
 
-    median: float
-    dispersion: float
+    median: float = np.nan
+    dispersion: float = np.nan
     why: str = ""
     side: int = 0
+    step: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -118,6 +121,11 @@ class Fragility:
         """The NewRecord of the runs, None where there is none, as of runs that determine no
         curve."""
         return new_record(*self.stripes) if self.stripes and np.isfinite(self.median) else None
+
+    @property
+    def new_record_bounds(self):
+        """Lower and upper bound (2,) of a new record's own median, NaN where there is none."""
+        return self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
 
     def probability(self, intensity):
         """P(measure > level) at intensities of any shape."""
@@ -173,28 +181,21 @@ class Fragility:
         """Lines on what the runs, or bootstrap samples, do not determine."""
         if self.why:
             return [f"{self.state}: no curve, {self.why}"]
-        return [*self._wide(), *self._open()]
-
-    def _wide(self):
-        """A line where the records hardly bound the median of another."""
-        low, high = self.new_record.median_bounds() if self.new_record else (1.0, 1.0)
-        if high / low <= WIDE:
-            return []
-        return [
-            f"{self.state}: a new record's median is known within a factor of {high / low:.0f}"
-            f" only: these {self.n_records} records tell nothing of another; run more"
-        ]
-
-    def _open(self):
-        """A line where too many bootstrap samples determine no curve."""
-        if len(self.samples) < 2 or np.isfinite(self.median_bounds()).all():
-            return []
-        lost = self.n_replicates - self._determined()
-        return [
-            f"{self.state}: {lost} of {self.n_replicates} bootstrap samples determine no curve and"
-            " count as beyond the bounds of the mean curve: where 5 % or more do, a bound is"
-            " open (-)"
-        ]
+        lines = []
+        low, high = self.new_record_bounds
+        if high / low > WIDE:
+            lines.append(
+                f"{self.state}: a new record's median is known within a factor of"
+                f" {high / low:.0f} only: these {self.n_records} records tell nothing of another;"
+                " run more"
+            )
+        if len(self.samples) > 1 and np.isnan(self.median_bounds()).any():
+            lines.append(
+                f"{self.state}: {self.n_replicates - self._determined()} of {self.n_replicates}"
+                " bootstrap samples determine no curve and count as beyond the bounds of the mean"
+                " curve: where 5 % or more do, a bound is open (-)"
+            )
+        return lines
 
     def row(self):
         """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in
@@ -212,7 +213,7 @@ class Fragility:
             "undetermined": self.why,
         }
         (low, least), (high, largest) = self.median_bounds()
-        new_low, new_high = self.new_record.median_bounds() if self.new_record else (np.nan, np.nan)
+        new_low, new_high = self.new_record_bounds
         return row | {
             named("median_both_low"): low,
             named("median_both_high"): high,
@@ -263,19 +264,18 @@ def solve(intensity, exceeding, runs):
     x, y, n = (
         np.asarray(values, float)[np.asarray(runs) > 0] for values in (intensity, exceeding, runs)
     )
-    if ends := step_of(x, y, n):
+    if step := step_of(x, y, n):
         some = x[(y > 0) & (y < n)]
-        return Fit(float(some[0] if len(some) else np.sqrt(ends[0] * ends[1])), 0.0)
+        return Fit(float(some[0] if len(some) else np.sqrt(step[0] * step[1])), 0.0, step=step)
     side = int(np.all(y < n / 2)) - int(np.all(y > n / 2))
     if y.sum() in (0, n.sum()):
-        return Fit(np.nan, np.nan, f"{'no' if y.sum() == 0 else 'every'} run exceeds it", side)
+        return Fit(why=f"{'no' if y.sum() == 0 else 'every'} run exceeds it", side=side)
     if x[y > 0].min() >= x[y < n].max():
-        return Fit(
-            np.nan, np.nan, "one intensity only has runs of both kinds, a curve needs two", side
-        )
+        why = "one intensity only has runs of both kinds, a curve needs two"
+        return Fit(why=why, side=side)
     if (distinct := _distinct(x)) < LEAST_INTENSITIES:
         why = f"{distinct} intensities only, a curve needs {LEAST_INTENSITIES} that differ by 1 %"
-        return Fit(np.nan, np.nan, why, side)
+        return Fit(why=why, side=side)
     return _likeliest(np.log(x), y, n, side)
 
 
@@ -320,35 +320,29 @@ def _likeliest(x, y, n, side):
             break
     median, dispersion = (float(np.exp(value)) for value in best.x)
     if best.x[1] == start:
-        return Fit(np.nan, np.nan, "the likelihood does not depend on the dispersion", side)
+        return Fit(why="the likelihood does not depend on the dispersion", side=side)
     if np.abs(best.x[1] - ends).min() < 1e-6:
         note = ": no rising curve fits" if best.x[1] > start else ""
-        return Fit(np.nan, np.nan, f"the dispersion is at its bound of {dispersion:g}{note}", side)
+        return Fit(why=f"the dispersion is at its bound of {dispersion:g}{note}", side=side)
     if above := int(best.x[0] > x.max()) - int(best.x[0] < x.min()):
         where = "above" if above > 0 else "below"
-        return Fit(
-            np.nan, np.nan, f"the median would lie {where} all intensities that were run", above
-        )
+        why = f"the median would lie {where} all intensities that were run"
+        return Fit(why=why, side=above)
     return Fit(median, dispersion)
 
 
 def step_of(intensity, exceeding, runs):
     """Two intensities, up to which no run and from which all runs exceed the level, with at most
     one intensity between them; else None.  A lognormal curve needs two intensities at which some
-    exceed."""
-    x = np.asarray(intensity, float)
-    y = np.asarray(exceeding)
-    n = np.asarray(runs)
-    none = x[(n > 0) & (y == 0)]
-    all_ = x[(n > 0) & (y == n)]
-    some = x[(y > 0) & (y < n)]
-    if len(some) > 1 or not len(none) or not len(all_) or none.max() > all_.min():
-        return None
-    return (
-        (float(none.max()), float(all_.min()))
-        if all(none.max() < x < all_.min() for x in some)
-        else None
-    )
+    exceed.
+
+    intensity, exceeding, runs: (n,), as of `solve`, all with runs.
+    """
+    low = intensity[exceeding == 0].max(initial=-np.inf)
+    high = intensity[exceeding == runs].min(initial=np.inf)
+    some = intensity[(exceeding > 0) & (exceeding < runs)]
+    is_step = -np.inf < low <= high < np.inf and len(some) < 2
+    return (float(low), float(high)) if is_step and all((low < some) & (some < high)) else None
 
 
 _SIDES = {1: (np.inf, np.nan), 0: (np.nan, np.nan), -1: (0.0, np.nan)}
@@ -373,14 +367,13 @@ def exceeding(runs, measure, level):
     return (runs[measure] > level) | runs["collapsed_at_s"].notna()
 
 
-def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=1, name=""):
+def fragility(runs, measure, level, intensity, replicates=REPLICATES, name=""):
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every
     level.
 
-    Draws of the wall differ by `strength_seed`; intensity: None for the first that they have;
-    replicates: number of bootstrap samples; seed: of their draws; name: of the damage state.
+    Draws of the wall differ by `strength_seed`; replicates: number of bootstrap samples; name: of
+    the damage state.
     """
-    intensity = intensity or leading(runs)
     exceeds = exceeding(runs, measure, level)
     records = runs["record"].fillna("") if "record" in runs else pd.Series("", runs.index)
     (wall, walls), (record, known), (place, values) = (
@@ -388,24 +381,23 @@ def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=
         for column in (runs["strength_seed"], records, runs[intensity].astype(float))
     )
     sizes = len(walls), len(known)
-    # runs of a wall in a record at an intensity, and those that exceed
+    # of a wall in a record at an intensity the runs that exceed, and all
     counts = np.zeros((2, *sizes, len(values)))
-    np.add.at(counts[0], (wall, record, place), 1)
-    np.add.at(counts[1], (wall, record, place), exceeds.to_numpy(float))
+    np.add.at(counts[0], (wall, record, place), exceeds.to_numpy(float))
+    np.add.at(counts[1], (wall, record, place), 1)
     # of walls, and of records
-    random = [np.random.default_rng((seed, number)) for number in range(2)]
+    random = [np.random.default_rng((SEED, number)) for number in range(2)]
     fits = [
-        solve(values, *_drawn(counts, sizes, random)[::-1])
+        solve(values, *_drawn(counts, sizes, random))
         for _ in range(replicates if min(sizes) > 1 else 0)
     ]
     samples = np.array([_SIDES[fit.side] if fit.why else fit[:2] for fit in fits]).reshape(-1, 2)
-    n, y = counts.sum(axis=(1, 2))
-    median, dispersion, why, _ = solve(values, y, n)
+    fit = solve(values, *counts.sum(axis=(1, 2)))
     return Fragility(
         measure=measure,
         level=level,
-        median=median,
-        dispersion=dispersion,
+        median=fit.median,
+        dispersion=fit.dispersion,
         n_runs=len(runs),
         n_exceeding=int(exceeds.sum()),
         samples=samples,
@@ -413,15 +405,15 @@ def fragility(runs, measure, level, intensity=None, replicates=REPLICATES, seed=
         n_records=len(known),
         n_walls=len(walls),
         intensity=intensity,
-        step=step_of(values, y, n),
+        step=fit.step,
         name=name,
-        stripes=(values, *counts.sum(axis=1)[::-1]),
-        why=why,
+        stripes=(values, *counts.sum(axis=1)),
+        why=fit.why,
     )
 
 
 def _drawn(counts, sizes, random):
-    """Return the numbers of runs and of those that exceed, by intensity, of a bootstrap sample of
+    """Return the numbers of runs that exceed and of all, by intensity, of a bootstrap sample of
     walls and records."""
     walls, records = (
         np.bincount(draws.integers(size, size=size), minlength=size)
@@ -460,17 +452,15 @@ def load_runs(folder):
             f"{path} holds no finished run with scattered strengths; expected some with"
             " strength-cov, as in studies/fragility.toml"
         )
-    for name, expected in (
-        ("wall", "a name"),
-        ("strength_seed", "a number"),
-        ("collapsed_at_s", "a time or nothing"),
+    seed, collapse = (
+        pd.to_numeric(runs[name], errors="coerce").isna()
+        for name in ("strength_seed", "collapsed_at_s")
+    )
+    for name, bad, expected in (
+        ("wall", runs["wall"].isna(), "a name"),
+        ("strength_seed", seed, "a number"),
+        ("collapsed_at_s", collapse & runs["collapsed_at_s"].notna(), "a time or nothing"),
     ):
-        is_text = runs[name].notna() & pd.to_numeric(runs[name], errors="coerce").isna()
-        bad = (
-            runs[name].isna()
-            if name == "wall"
-            else is_text | runs[name].isna() & (name == "strength_seed")
-        )
         if bad.any():
             raise InputError(
                 f"{path}: {bad.sum()} of {len(runs)} runs have {runs[name][bad].tolist()[0]!r} as"
@@ -506,12 +496,8 @@ def mixed(runs):
             yield f"wall {wall}: one curve through runs that differ in {', '.join(names)}"
 
 
-def fit_all(runs, intensity=None, replicates=REPLICATES, states=STATES):
-    """{wall: [Fragility of each State]} of runs; intensity: a column of theirs, None for the first
-    of INTENSITIES that they have."""
-    if replicates < 0:
-        raise InputError(f"--replicates {replicates}: expected zero or more; correct it")
-    intensity = intensity or leading(runs)
+def fit_all(runs, intensity, replicates=REPLICATES, states=STATES):
+    """{wall: [Fragility of each State]} of runs; intensity: a column of theirs."""
     check_intensity(runs, intensity)
     check_states(runs, states)
     return {
@@ -523,11 +509,11 @@ def fit_all(runs, intensity=None, replicates=REPLICATES, states=STATES):
     }
 
 
-def fragility_table(fits, intensity):
+def fragility_table(fits):
     """A DataFrame with a row for each wall, measure and level."""
     return pd.DataFrame(
         [
-            {"wall": wall, "intensity": intensity, **fit.row()}
+            {"wall": wall, "intensity": fit.intensity, **fit.row()}
             for wall, ones in fits.items()
             for fit in ones
         ]
@@ -553,21 +539,12 @@ def in_words(fits):
             ),
         ]
         for fit in of_wall:
-            median = (
-                _span(fit.step)
-                if fit.step
-                else f"{fit.median:#.3g}"
-                if np.isfinite(fit.median)
-                else "-"
-            )
-            dispersion = (
-                "step" if fit.step else f"{fit.dispersion:.2f}" if np.isfinite(fit.median) else "-"
-            )
-            new = fit.new_record.median_bounds() if fit.new_record else (np.nan, np.nan)
+            median = _span(fit.step or [fit.median])
+            dispersion = "step" if fit.step else "-" if fit.why else f"{fit.dispersion:.2f}"
             mean = fit.median_bounds()[:, 0]
             lines.append(
                 f"{fit.state:28} {fit.n_exceeding:6} {median:>16} {dispersion:>10}"
-                f" {_span(mean):>16} {_span(new):>16}"
+                f" {_span(mean):>16} {_span(fit.new_record_bounds):>16}"
             )
             notes += fit.notes()
         notes += filter(None, [few_note(first.n_records)])
@@ -584,42 +561,39 @@ def few_note(n_records):
 
 
 def _span(bounds):
-    """Two bounds in words; one that is missing as "-"."""
-    ends = ["-" if np.isnan(end) else f"{end:#.3g}" for end in bounds]
-    return "-" if ends == ["-", "-"] else " to ".join(ends)
+    """Two bounds, or one number, in words; what is missing as "-"."""
+    if np.isnan(bounds).all():
+        return "-"
+    return " to ".join("-" if np.isnan(end) else f"{end:#.3g}" for end in bounds)
 
 
 def at_intensities(fits, values):
     """A DataFrame with a row for each curve {wall: [Fragility]} and intensity of values: the
     probability of exceeding by the curve, the interval of the mean curve, that of a new record's
     own probability with its median, and the mean of the latter."""
-    rows = []
-    unknown = (np.nan, np.nan)
+    unknown = np.full((3, len(values)), np.nan)
+    tables = []
     for wall, fit in ((wall, fit) for wall, ones in fits.items() for fit in ones):
         mean = fit.bounds(values)
+        low, high = unknown[:2] if mean is None else mean
         new = fit.new_record
-        for place, value in enumerate(values):
-            low, high = unknown if mean is None else mean[:, place]
-            new_low, new_median, new_high = (
-                new.percentiles([value])[:, 0] if new else (np.nan, *unknown)
-            )
-            rows.append(
-                {
-                    "wall": wall,
-                    "state": fit.state,
-                    "measure": fit.measure,
-                    "level": fit.level,
-                    "intensity": fit.intensity,
-                    "value": value,
-                    "unit": unit_of(fit.intensity)[1],
-                    "probability": fit.probability(value),
-                    "mean_low": low,
-                    "mean_high": high,
-                    "new_record_low": new_low,
-                    "new_record_median": new_median,
-                    "new_record_high": new_high,
-                    "new_record": new.probability([value])[0] if new else np.nan,
-                    "undetermined": fit.why,
-                }
-            )
-    return pd.DataFrame(rows)
+        new_low, new_median, new_high = new.percentiles(values) if new else unknown
+        table = {
+            "wall": wall,
+            "state": fit.state,
+            "measure": fit.measure,
+            "level": fit.level,
+            "intensity": fit.intensity,
+            "value": values,
+            "unit": unit_of(fit.intensity)[1],
+            "probability": fit.probability(values),
+            "mean_low": low,
+            "mean_high": high,
+            "new_record_low": new_low,
+            "new_record_median": new_median,
+            "new_record_high": new_high,
+            "new_record": new.probability(values) if new else np.nan,
+            "undetermined": fit.why,
+        }
+        tables.append(pd.DataFrame(table))
+    return pd.concat(tables, ignore_index=True)

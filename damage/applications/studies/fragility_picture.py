@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 
 from damage.applications.studies.fragility import exceeding, few_note
 from damage.applications.studies.new_record import CONFIDENCE
-from damage.applications.studies.states import LEVELS, label, leading, unit_of
+from damage.applications.studies.states import LEVELS, label, unit_of
 from damage.draw.panels import finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, put_title, styled
 from damage.draw.words import record_label
@@ -32,35 +32,29 @@ STYLES = (
 )
 
 
-def fragility_pictures(runs, fits, intensity=None):
-    """(name, Figure) of every wall; runs, fits: of `damage.applications.studies.fragility`;
-    intensity: that of the fits, None for the first that the runs have."""
-    intensity = intensity or leading(runs)
+def fragility_pictures(runs, fits):
+    """(name, Figure) of every wall; runs, fits: of `damage.applications.studies.fragility`."""
     return [
         (
-            f"fragility_{wall}_{intensity}",
-            fragility_picture(wall, runs[runs["wall"] == wall], of_wall, intensity),
+            f"fragility_{wall}_{of_wall[0].intensity}",
+            fragility_picture(wall, runs[runs["wall"] == wall], of_wall),
         )
         for wall, of_wall in fits.items()
     ]
 
 
 @styled
-def fragility_picture(wall, runs, fits, intensity=None):
+def fragility_picture(wall, runs, fits):
     """Panels by measure, a curve a damage state; runs: the rows of this wall; fits: its list of
     Fragility."""
-    intensity = intensity or leading(runs)
     measures = list(dict.fromkeys(fit.measure for fit in fits))
     columns = min(len(measures), _MOST_PANELS)
     figure, axes = grid(-(-len(measures) // columns), columns, 2.5)
     for ax in axes.flat[len(measures) :]:
         ax.set_axis_off()
-    x = np.linspace(0.005, 1.08, 120) * runs[intensity].max()
-    drawn = [
-        _panel(ax, x, runs, [fit for fit in fits if fit.measure == measure], intensity)
-        for ax, measure in zip(axes.flat, measures)
-    ]
+    kinds = set()
     for number, (ax, measure) in enumerate(zip(axes.flat, measures)):
+        kinds |= _panel(ax, runs, [fit for fit in fits if fit.measure == measure])
         text = label(measure)
         letter(ax, number, text.removesuffix(" [-]") if measure in LEVELS else text)
     axes[0, 0].set_ylabel("probability of exceeding")
@@ -70,37 +64,29 @@ def fragility_picture(wall, runs, fits, intensity=None):
         figure,
         f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
         f"variation {runs['strength_cov'].iloc[0]:g}",
-        records_named(records),
+        f"{len(records)} records"
+        if len(records) > MOST_NAMED
+        else "; ".join(map(record_label, records)),
         few_note(len(records)),
     )
     bands = [
         Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {text}")
         for kind, (alpha, text) in _BANDS.items()
-        if any(kind in kinds for kinds in drawn)
+        if kind in kinds
     ]
     return finish(figure, [*_fit_handles(), *bands], columns=2)
 
 
-def _panel(ax, x, runs, fits, intensity):
-    """The curves of one measure; returns the kinds of bands that are drawn, a set."""
+def _panel(ax, runs, fits):
+    """Draw the curves of one measure; returns the kinds of bands that are drawn, a set."""
+    intensity = fits[0].intensity
+    x = np.linspace(0.005, 1.08, 120) * runs[intensity].max()
     handles, kinds = zip(
-        *(
-            _draw(ax, x, runs, fit, style=style, intensity=intensity)
-            for fit, style in zip(fits, cycle(STYLES))
-        )
+        *(_draw(ax, x, runs, fit, *style) for fit, style in zip(fits, cycle(STYLES)))
     )
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=1, title=None)
     ax.set(xlabel=label(intensity), xlim=(0, x[-1]), ylim=(-0.03, 1.03))
     return set().union(*kinds)
-
-
-def records_named(records):
-    """Records as a heading names them: each, or their number where they are many."""
-    return (
-        f"{len(records)} records"
-        if len(records) > MOST_NAMED
-        else "; ".join(map(record_label, records))
-    )
 
 
 def _fit_handles():
@@ -113,13 +99,6 @@ def _fit_handles():
     ]
 
 
-def draw_shares(ax, exceed, intensity, style):
-    """Mark the share that exceeds at each intensity; style: of STYLES."""
-    colour, marker, _ = style
-    shares = exceed.groupby(intensity).mean()
-    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
-
-
 def _bands(fit, x):
     """{name of _BANDS: lower and upper bound (2, n)} of the bands that a Fragility has."""
     new = fit.new_record
@@ -127,11 +106,12 @@ def _bands(fit, x):
     return {kind: bounds for kind, bounds in bands.items() if bounds is not None}
 
 
-def _draw(ax, x, runs, fit, style, intensity):
-    """Shares, curve and bounds of a Fragility; returns the legend's entry, and the names of the
-    bands drawn."""
-    colour, marker, line = style
-    draw_shares(ax, exceeding(runs, fit.measure, fit.level), runs[intensity], style)
+def _draw(ax, x, runs, fit, colour, marker, line):
+    """Draw shares, curve and bounds of a Fragility; returns the legend's entry, and the names of
+    the bands drawn."""
+    exceeds = exceeding(runs, fit.measure, fit.level)
+    shares = exceeds.groupby(runs[fit.intensity]).mean()
+    ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
     entry = (fit.name and f"{fit.name}: ") + f"> {fit.level:g}"
     bands = {}
     if np.isfinite(fit.median):
@@ -139,16 +119,14 @@ def _draw(ax, x, runs, fit, style, intensity):
         bands = _bands(fit, x)
         for kind, bounds in bands.items():
             ax.fill_between(x, *bounds, color=colour, alpha=_BANDS[kind][0], lw=0)
-        unit = unit_of(intensity)[1]
+        unit = unit_of(fit.intensity)[1]
         entry += (
             f": between {fit.step[0]:#.3g} and {fit.step[1]:#.3g} {unit}"
             if fit.step
             else f": median {fit.median:#.3g} {unit}, dispersion {fit.dispersion:.2f}"
         )
         if fit.new_record:
-            entry += "\nof a new record {:#.2g} to {:#.2g} {}".format(
-                *fit.new_record.median_bounds(), unit
-            )
+            entry += "\nof a new record {:#.2g} to {:#.2g} {}".format(*fit.new_record_bounds, unit)
     else:
         entry += f": no curve, {fit.n_exceeding} of {fit.n_runs} runs exceed it"
         entry += f"\n{fit.why}" if 0 < fit.n_exceeding < fit.n_runs else ""

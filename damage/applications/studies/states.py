@@ -112,12 +112,12 @@ def check_choices(path, states, intensity):
         parse_state(state)
 
 
-def check_states(runs, states, table="summary.csv"):
+def check_states(runs, states):
     """Raise InputError for a State whose column runs (rows of a table) lack, or have no numbers in,
     and for two of one name."""
     for state in states:
         where = f"damage state {state.title!r}"
-        missing = _numbers(runs, state.measure, where, table).isna() & runs["collapsed_at_s"].isna()
+        missing = _numbers(runs, state.measure, where).isna() & runs["collapsed_at_s"].isna()
         if missing.any():
             raise InputError(
                 f"{where}: {missing.sum()} of {len(runs)} runs have no {state.measure}; expected a"
@@ -144,7 +144,7 @@ def check_intensity(runs, name):
             )
 
 
-def _numbers(runs, name, where, table="summary.csv"):
+def _numbers(runs, name, where):
     numeric = [
         column
         for column in runs
@@ -153,14 +153,14 @@ def _numbers(runs, name, where, table="summary.csv"):
     if name not in runs:
         near = get_close_matches(name, numeric, 3, 0.5)
         raise InputError(
-            f"{where}: {table} has no column {name}; expected one with numbers"
+            f"{where}: summary.csv has no column {name}; expected one with numbers"
             + (f", perhaps {' or '.join(near)}" if near else "")
             + "; correct it"
         )
     if name not in numeric:
         raise InputError(
-            f"{where}: column {name} of {table} holds no numbers; expected a column with numbers,"
-            f" as {next(iter(LEVELS))}; choose another"
+            f"{where}: column {name} of summary.csv holds no numbers; expected a column with"
+            f" numbers, as {next(iter(LEVELS))}; choose another"
         )
     return runs[name].astype(float)
 

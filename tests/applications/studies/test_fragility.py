@@ -29,6 +29,7 @@ from damage.applications.studies.states import (
     LEVELS,
     State,
     check_states,
+    leading,
     parse_state,
 )
 from damage.measure.tables import write_table
@@ -121,14 +122,14 @@ class TestFit:
         assert_allclose(fit(intensity, exceed, runs), expected, rtol=1e-5)
 
     def test_many_walls_give_back_the_curve_that_they_were_drawn_from(self):
-        found = fragility(walls(20_000, seed=2), "max_DI", 0.05, replicates=0)
+        found = fragility(walls(20_000, seed=2), "max_DI", 0.05, "pga_g", 0)
         assert_allclose((found.median, found.dispersion), (MEDIAN_G, DISPERSION), rtol=0.02)
 
     def test_a_step_bounds_the_median_by_its_ends_whatever_is_drawn(self):
         assert_allclose(fit([0.1, 0.2, 0.4], [0, 5, 5], [5, 5, 5]), (0.02**0.5, 0))
         runs = pd.concat([walls(6, seed=1), walls(6, seed=1).assign(record="s")])
         runs["max_psi"] = np.where(runs["pga_g"] > 0.22, 3.0, 0.0)
-        found = fragility(runs, "max_psi", 2.0, replicates=20)
+        found = fragility(runs, "max_psi", 2.0, "pga_g", replicates=20)
         row = found.row()
         assert_allclose(
             [row["median_both_low_g"], row["median_both_high_g"], row["dispersion"]],
@@ -157,7 +158,7 @@ class TestFit:
     def test_a_collapse_exceeds_every_level(self):
         runs = walls(10, seed=3)
         runs["collapsed_at_s"] = 1.0
-        assert fragility(runs, "max_psi", 2.0, replicates=0).n_exceeding == len(runs)
+        assert fragility(runs, "max_psi", 2.0, "pga_g", replicates=0).n_exceeding == len(runs)
 
 
 @pytest.mark.parametrize(("n_records", "n_walls"), [(5, 5), (8, 3)])
@@ -239,7 +240,7 @@ class TestUndetermined:
             unknown = row.filter(regex="^(median|dispersion|mean|new_record|probability)")
             assert unknown.isna().all(), table
         assert row["distribution"] == "none" and f"no curve, {row['undetermined']}" in printed
-        fits = {"w": [fragility(runs, "max_psi", 1, replicates=20)]}
+        fits = {"w": [fragility(runs, "max_psi", 1, "pga_g", replicates=20)]}
         ((_, figure),) = fragility_pictures(runs, fits)
         words = figure.axes[0].get_legend().get_texts()[0].get_text()
         assert (
@@ -251,7 +252,7 @@ class TestUndetermined:
         assert list(mixed(runs)) == ["wall a: one curve through runs that differ in top"]
 
     def test_draws_of_one_wall_are_not_called_walls(self):
-        printed = in_words({"w": [fragility(walls(12, seed=1), "max_DI", 0.05, replicates=0)]})
+        printed = in_words({"w": [fragility(walls(12, seed=1), "max_DI", 0.05, "pga_g", 0)]})
         assert "draws of strengths: 12, records: 1;" in printed and "walls" not in printed
 
     def test_samples_without_a_curve_open_the_bound_on_their_side(self):
@@ -520,7 +521,8 @@ def test_two_walls_that_interpolate_a_record_differently_share_its_intensities()
     """By the motion as applied, 10 % apart, the curves had other intensities for each wall."""
     stiff = walls(12, seed=1).assign(record_pga_g=lambda runs: runs["pga_g"])
     soft = stiff.assign(wall="v", pga_g=1.1 * stiff["pga_g"])
-    fits = fit_all(pd.concat([stiff, soft]), replicates=0, states=[State("max_DI", 0.05)])
+    runs = pd.concat([stiff, soft])
+    fits = fit_all(runs, leading(runs), 0, [State("max_DI", 0.05)])
     assert {ones[0].intensity for ones in fits.values()} == {"record_pga_g"}
     assert fits["w"][0].median == fits["v"][0].median
 

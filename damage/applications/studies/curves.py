@@ -14,57 +14,23 @@ on fragility models: https://docs.openquake.org/oq-engine/master/manual/
 """
 
 import re
+from itertools import product
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 import numpy as np
 import pandas as pd
 
-from damage.applications.studies.columns import CURVE, ENDS
 from damage.applications.studies.ordered import with_one_dispersion
 from damage.applications.studies.states import unit_of
+from damage.errors import InputError
 from damage.files import whole_or_nothing
-from damage.history.schema import Column
 from damage.measure.tables import write_table
 
 NAMESPACE = "http://openquake.org/xmlns/nrml/0.5"
 CM_PER_M = 100
 _Z = np.linspace(-4.0, 4.0, 33)
 """Levels of a curve, in dispersions from the median: from 0.00003 to 0.99997."""
-COLUMNS = {
-    **CURVE,
-    "level_unit": Column("", "unit of the level"),
-    "intensity_unit": Column("", "unit of the median"),
-    "distribution": Column(
-        "",
-        "lognormal: P = Phi(ln(x / median) / dispersion); step: the median is bounded, no "
-        "dispersion is known; none: the runs determine no curve",
-    ),
-    "median": Column(
-        "as `intensity_unit` says", "intensity at which half of the runs exceed the level"
-    ),
-    "step_low": Column(
-        "as `intensity_unit` says", "of a step: intensity up to which no run exceeds the level"
-    ),
-    "step_high": Column(
-        "as `intensity_unit` says", "of a step: intensity from which on all runs do"
-    ),
-    **{
-        f"new_record_{end}": Column(
-            "as `intensity_unit` says", f"{bound} bound of a new record's own median"
-        )
-        for end, bound in ENDS
-    },
-}
-COLUMNS["dispersion"] = Column(
-    "1", "standard deviation of the intensity's logarithm, empty of a step"
-)
-COLUMNS["common_median"] = Column(
-    "as `intensity_unit` says",
-    "median of the curve in NRML, which has one dispersion for the levels of a measure",
-)
-COLUMNS["common_dispersion"] = Column("1", "that dispersion")
-"""Columns of the table of `coefficients`."""
 _TYPES = {
     "record_pga_g": ("PGA", 1),
     "pga_g": ("PGA", 1),
@@ -99,7 +65,7 @@ def limit_state(fit):
 
 def fitted(fits):
     """Members of a list of Fragility that have a curve or a step."""
-    return [fit for fit in fits if np.isfinite(fit.median)]
+    return [fit for fit in fits if not fit.why]
 
 
 def probability(fit, x):
@@ -115,7 +81,7 @@ def levels(fits):
     return np.unique([float(f"{value:.9g}") for value in x])
 
 
-def write_nrml(wall, fits, path, kind, eigen_period_s=np.nan):
+def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     """Write the curves of one wall and measure as NRML, whole or not at all; returns the path, None
     where no level has a curve of this kind.
 
@@ -182,63 +148,62 @@ def _text(value):
 def _description(wall, fits, name, kind):
     """What the curves are of, and what they leave out."""
     first = fits[0]
-    without = [f"{fit.level:g} ({fit.why})" for fit in fits if not np.isfinite(fit.median)]
+    without = [f"{fit.level:g} ({fit.why})" for fit in fits if fit.why]
     steps = [f"{fit.level:g}" for fit in fits if fit.step]
     lines = [
         f"Wall {wall}: probability that {first.measure} exceeds a level, by {name};"
         f" {first.n_runs} runs in {first.n_records} records; masonry-damage."
     ]
-    lines += [f"No curve for {', '.join(without)}."] if without else []
+    if without:
+        lines.append(f"No curve for {', '.join(without)}.")
     if len(fits) > len(without) + 1 and len({fit.dispersion for fit in fitted(fits)}) == 1:
         lines.append("One dispersion for all levels, so that curves do not cross (ordinal probit).")
-    lines += (
-        [
-            f"A step for {', '.join(steps)}: the data bound its median and give no dispersion; "
-            + (
-                "a straight line between the bounds."
-                if kind == "discrete"
-                else "left out, see the discrete model."
-            )
-        ]
-        if steps
-        else []
-    )
+    if steps:
+        shown = {
+            "discrete": "a straight line between the bounds.",
+            "continuous": "left out, see the discrete model.",
+        }
+        lines.append(
+            f"A step for {', '.join(steps)}: the data bound its median and give no dispersion;"
+            f" {shown[kind]}"
+        )
     return " ".join(lines)
 
 
-def write_curves(fits, folder, eigen_period_s):
-    """Write all formats of the curves {wall: [Fragility]} into a folder; returns the paths.
+def write_curves(runs, fits, folder):
+    """Write all formats of the curves {wall: [Fragility]} of runs, of one intensity, into a folder;
+    yields lines on what is written: paths, and why there is no NRML.
 
-    eigen_period_s: {wall: [s]}, needed by sa_eigen_period_g alone; files are FORMAT's own of each
-    wall and measure, and one fragility_coefficients.csv.
-    A level whose curve the runs do not determine is in the CSV alone, with the reason; so are all
-    by an intensity that OpenQuake has no name for.
+    Files are NRML of each wall and measure, and one fragility_coefficients.csv.  A level whose
+    curve the runs do not determine is in the CSV alone, with the reason; so are all by an intensity
+    that OpenQuake has no name for.
     """
     folder = Path(folder)
-    paths = []
-    for wall, ones in fits.items():
+    (intensity,) = {fit.intensity for ones in fits.values() for fit in ones}
+    periods_s = _periods_s(runs) if intensity == "sa_eigen_period_g" else {}
+    for wall, ones in fits.items() if intensity in _TYPES else ():
         joined = with_one_dispersion(ones)
-        for measure in dict.fromkeys(fit.measure for fit in joined):
+        measures = dict.fromkeys(fit.measure for fit in joined)
+        for measure, kind in product(measures, ("continuous", "discrete")):
             same = [fit for fit in joined if fit.measure == measure]
-            stem = f"fragility_{wall}_{measure}_{same[0].intensity}"
-            paths += [
-                write_nrml(
-                    wall, same, folder / f"{stem}_{kind}.xml", kind, eigen_period_s.get(wall)
-                )
-                for kind in ("continuous", "discrete")
-                if same[0].intensity in _TYPES
-            ]
-    paths.append(write_table(coefficients(fits), folder / "fragility_coefficients.csv"))
-    return [path for path in paths if path]
+            path = folder / f"fragility_{wall}_{measure}_{intensity}_{kind}.xml"
+            if write_nrml(wall, same, path, kind, periods_s.get(wall)):
+                yield path
+    yield write_table(coefficients(fits), folder / "fragility_coefficients.csv")
+    if intensity not in _TYPES:
+        yield f"no NRML by {intensity}: OpenQuake has no name for this intensity"
 
 
-def without_nrml(fits):
-    """Lines on intensities of curves {wall: [Fragility]} that OpenQuake has no name for."""
-    intensities = {fit.intensity for ones in fits.values() for fit in ones}
-    return [
-        f"no NRML by {name}: OpenQuake has no name for this intensity"
-        for name in sorted(intensities - set(_TYPES))
-    ]
+def _periods_s(runs):
+    """{wall: first period [s]} of runs, which names their spectral acceleration."""
+    periods_s = pd.to_numeric(runs.get("eigen_period_s", 0), errors="coerce")
+    if not np.all(periods_s > 0):
+        raise InputError(
+            "--export by sa_eigen_period_g: summary.csv has no eigen_period_s in every run, the"
+            " period that NRML names; expected a number above zero; choose another intensity, as"
+            " --intensity pga_g, or run the study again"
+        )
+    return runs.groupby("wall")["eigen_period_s"].median()
 
 
 def coefficients(fits):
@@ -249,36 +214,40 @@ def coefficients(fits):
     "none", where the runs determine no curve, with the reason in undetermined.
     new_record_low, new_record_high: 90 % prediction interval of the median in a new record.
     """
-    return pd.DataFrame(
-        [
-            {
-                "wall": wall,
-                "state": fit.state,
-                "measure": fit.measure,
-                "level": fit.level,
-                "level_unit": unit_of(fit.measure)[1],
-                "intensity": fit.intensity,
-                "intensity_unit": unit_of(fit.intensity)[1],
-                "distribution": (
-                    "step" if fit.step else "lognormal" if np.isfinite(fit.median) else "none"
-                ),
-                "median": np.nan if fit.step else fit.median,
-                "dispersion": np.nan if fit.step else fit.dispersion,
-                **dict(zip(("step_low", "step_high"), fit.step or (None, None))),
-                **dict(
-                    zip(
-                        ("new_record_low", "new_record_high"),
-                        fit.new_record.median_bounds() if fit.new_record else (np.nan, np.nan),
-                    )
-                ),
-                "common_median": np.nan if joined.step else joined.median,
-                "common_dispersion": np.nan if joined.step else joined.dispersion,
-                "undetermined": fit.why,
-                "runs": fit.n_runs,
-                "exceeding": fit.n_exceeding,
-                "records": fit.n_records,
-            }
-            for wall, ones in fits.items()
-            for fit, joined in zip(ones, with_one_dispersion(ones))
-        ]
-    )
+    rows = []
+    for wall, ones in fits.items():
+        for fit, joined in zip(ones, with_one_dispersion(ones)):
+            step_low, step_high = fit.step or (None, None)
+            new_record_low, new_record_high = fit.new_record_bounds
+            median, dispersion = _without_step(fit)
+            common_median, common_dispersion = _without_step(joined)
+            rows.append(
+                {
+                    "wall": wall,
+                    "state": fit.state,
+                    "measure": fit.measure,
+                    "level": fit.level,
+                    "level_unit": unit_of(fit.measure)[1],
+                    "intensity": fit.intensity,
+                    "intensity_unit": unit_of(fit.intensity)[1],
+                    "distribution": "step" if fit.step else "none" if fit.why else "lognormal",
+                    "median": median,
+                    "dispersion": dispersion,
+                    "step_low": step_low,
+                    "step_high": step_high,
+                    "new_record_low": new_record_low,
+                    "new_record_high": new_record_high,
+                    "common_median": common_median,
+                    "common_dispersion": common_dispersion,
+                    "undetermined": fit.why,
+                    "runs": fit.n_runs,
+                    "exceeding": fit.n_exceeding,
+                    "records": fit.n_records,
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _without_step(fit):
+    """Median and dispersion of a Fragility; NaN of a step, whose dispersion is not known."""
+    return (np.nan, np.nan) if fit.step else (fit.median, fit.dispersion)

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.stats import lognorm
 from test_fragility import GRADES, MODERATE, SLIGHT, graded, made, walls
 
-from damage.applications.report.curves import (
+from damage.applications.studies.curves import (
     NAMESPACE,
     coefficients,
     limit_state,
@@ -96,7 +96,7 @@ def test_a_step_is_a_line_between_its_bounds_and_no_lognormal_curve(tmp_path):
 
 
 def test_coefficients_are_those_of_the_curves():
-    fits = fit_all(walls(40, seed=4), replicates=0)
+    fits = fit_all(walls(40, seed=4), "pga_g", replicates=0)
     table = coefficients(fits)
     assert set(table.loc[table.measure == "max_crack_width_mm", "level_unit"]) == {"mm"}
     row = table[(table.measure == "max_DI") & (table.level == 0.05)].iloc[0]
@@ -107,8 +107,9 @@ def test_coefficients_are_those_of_the_curves():
 
 def test_curves_of_one_model_do_not_cross(tmp_path):
     """OpenQuake takes the difference of two states: it was negative from 0.75 g on."""
-    fits = fit_all(graded(SLIGHT, MODERATE), "pga_g", 0, GRADES)
-    paths = {path.name: path for path in write_curves(fits, tmp_path, {})}
+    runs = graded(SLIGHT, MODERATE)
+    fits = fit_all(runs, "pga_g", 0, GRADES)
+    paths = {path.name: path for path in write_curves(runs, fits, tmp_path)}
     stem = "fragility_w_max_psi_pga_g"
     model = ElementTree.parse(paths[f"{stem}_discrete.xml"]).getroot()[0]
     slight, moderate = (np.array(node.text.split(), float) for node in model[2][1:])
