@@ -99,7 +99,7 @@ def run_until_killed(words, folder, points, share):
     began = time.monotonic()
     batch = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while True:
-        done = sum(bool(Results(folder).names_of(run)) for run in points)
+        done = sum(bool(Results(folder).records.names_of(run)) for run in points)
         if done >= share * len(points) and list((folder / "runs").glob("*.part.h5")):
             kill_tree(batch.pid)
             batch.wait()

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 from damage.__main__ import add_commands
+from damage.applications.studies.commands import STUDY_OPTIONS
 from damage.arguments import OneLineParser, file_arg
 from damage.commands.table import JSON, command, out, output
 from damage.errors import InputError, did_you_mean
@@ -44,12 +45,10 @@ def main(arguments=None):
 
 
 def _run(arguments):
-    if arguments[:1] == ["studies"]:
-        return _studies(arguments[1:])
     if arguments and arguments[0] in PROGRAMS:
         sys.argv = [f"python3 -m paper {arguments[0]}", *arguments[1:]]
         return import_module(f"paper.{arguments[0]}").main() or 0
-    known = [*COMMANDS, "studies", *PROGRAMS]
+    known = [*COMMANDS, *PROGRAMS]
     if arguments and not arguments[0].startswith("-") and arguments[0] not in known:
         raise InputError(
             f"no command {arguments[0]!r}: expected one of {', '.join(known)} (the commit of a"
@@ -70,12 +69,14 @@ def _run(arguments):
     return asked.command(asked) or 0
 
 
-def _studies(words):
-    """Run every study that ships, with options of `python3 -m damage study`, then figures and
-    verdict; returns the worst exit status."""
-    from damage.applications.studies.command import RESULTS, parse
+@command(
+    "every study that ships, with options of `python3 -m damage study`, then figures and verdict",
+    *STUDY_OPTIONS,
+)
+def _studies(asked):
+    """Run every study that ships, then figures and verdict; returns the worst exit status."""
+    from damage.applications.studies.command import RESULTS
 
-    asked = parse(["all", *words])
     if asked.slice:
         raise InputError("--slice is of one study; name it")
     out = asked.out or RESULTS

@@ -34,11 +34,7 @@ def pack_arrays(arrays):
 
 def quantised(values):
     """int16 of values (n, ..., k), and the step of each of the k columns: values are step times
-    these numbers.
-
-    What is not finite becomes 0.
-    """
-    values = np.nan_to_num(np.asarray(values, float), nan=0.0, posinf=0.0, neginf=0.0)
+    these numbers."""
     largest = np.abs(values).reshape(-1, values.shape[-1]).max(axis=0, initial=0.0)
     step = np.where(largest > 0, largest, 1.0) / np.iinfo(np.int16).max
     return np.round(values / step).astype("i2"), step

@@ -13,8 +13,7 @@ import pandas as pd
 from damage.applications.report.figures import documents, drawn, figures
 from damage.applications.report.packing import as_png
 from damage.applications.report.study_charts import axes, charts
-from damage.applications.report.tables import COLUMNS as MEANING
-from damage.applications.report.tables import cell, digits_of
+from damage.applications.report.tables import cell, digits_of, meaning_of
 from damage.applications.studies.fragility import choices_of, fit_all, fragility_table, mixed
 from damage.applications.studies.fragility_picture import fragility_pictures
 from damage.applications.studies.plan import unfinished
@@ -101,8 +100,7 @@ def study_part(folder):
     heads = [
         {
             "name": name,
-            "unit": MEANING.get(name, ("", ""))[0],
-            "meaning": OF_POINTS.get(name) or MEANING[name][1],
+            "meaning": OF_POINTS.get(name) or meaning_of(name),
             "words": column_words(name),
         }
         for name in content
@@ -150,25 +148,19 @@ def study_part(folder):
 def labels(points):
     """Titles of points, (n,), without names of files; and {"wall", "solver", "motion", and what
     else differs between points: its text of each point}."""
+    motions = [_motion(row) for _, row in points.iterrows()]
     texts = {
         "wall": [wall_words(str(name)) for name in points["wall"]],
         "solver": list(map(str, points["solver"])),
-        "motion": [_motion(row)[0] for _, row in points.iterrows()],
+        "motion": [motion for motion, _ in motions],
     }
-    factors = [_motion(row)[1] for _, row in points.iterrows()]
+    titles = [motion + factor for motion, factor in motions]
     for name in each(PARAMETERS):
         if name in points and name not in _FOLLOWS and points[name].nunique(dropna=False) > 1:
             texts[name] = [_cell(value, name)[0] for value in points[name]]
-    more = [name for name in texts if name not in ("wall", "solver", "motion")]
-    titles = [
-        ", ".join(
-            [
-                f"{texts['motion'][k]}{factors[k]}",
-                *(f"{column_words(name)} {texts[name][k]}" for name in more),
+            titles = [
+                f"{title}, {column_words(name)} {text}" for title, text in zip(titles, texts[name])
             ]
-        )
-        for k in range(len(points))
-    ]
     return titles, texts
 
 

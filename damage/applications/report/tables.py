@@ -4,6 +4,7 @@ parameters."""
 import math
 from numbers import Number
 
+from damage.applications.studies.states import COLUMNS
 from damage.history.info import flat, given
 from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
@@ -35,12 +36,6 @@ LEAST_PLAIN = 1e-4
 """Least number that is written without an exponent."""
 MOST_PLAIN = 1e6
 """Largest number that is written without an exponent."""
-COLUMNS = {
-    name: ("" if column.unit == "1" else column.unit, column.meaning.replace("`", ""))
-    for columns in SECTIONS.values()
-    for name, column in each(columns).items()
-}
-"""{column: (unit, meaning)}; a unit of 1 is none."""
 _GIVEN = each(RUN | PARAMETERS | MADE_BY)
 
 
@@ -88,12 +83,17 @@ def measures(parts):
     return [(section, rows) for section, rows in sections if rows]
 
 
+def meaning_of(name):
+    """What a column of summary.csv is, in words."""
+    return COLUMNS[name].meaning.replace("`", "")
+
+
 def _row(name, values):
-    unit, meaning = COLUMNS[name]
+    unit = COLUMNS[name].unit
     return {
         "name": name,
-        "unit": unit,
-        "meaning": meaning,
+        "unit": "" if unit == "1" else unit,
+        "meaning": meaning_of(name),
         "cells": [cell(value, digits_of(name)) for value in values],
         "differences": [_difference(values[0], value) for value in values[1:]],
     }

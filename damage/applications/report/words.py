@@ -9,8 +9,6 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 PAGE = Path(__file__).parent / "page"
 """Templates, styles, programs and words of pages."""
 LANGUAGES = "en", "nl"
-OF_PAGES = ("app",)
-"""Tables of words that one page has for itself."""
 
 
 @cache
@@ -26,14 +24,11 @@ def environment():
 
 
 @cache
-def all_words(page=None):
-    """{key: {language: text}} of the sheet and of reports, or those of one of OF_PAGES."""
-    tables = tomllib.loads((PAGE / "words.toml").read_text(encoding="utf-8"))
-    return (
-        tables[page]
-        if page
-        else {key: texts for key, texts in tables.items() if key not in OF_PAGES}
-    )
+def all_words(page="pages"):
+    """{key: {language: text}} of the sheet and of reports, or those of the page "app"."""
+    pages = tomllib.loads((PAGE / "words.toml").read_text(encoding="utf-8"))
+    app = pages.pop("app")
+    return app if page == "app" else pages
 
 
 def words(language, key, **values):

@@ -25,11 +25,11 @@ from damage.applications.studies.folder import (
 )
 from damage.applications.studies.outdated import Results
 from damage.applications.studies.plan import solver_lines
-from damage.applications.studies.pool import Pool
+from damage.applications.studies.pool import Pool, say
 from damage.applications.studies.read import describe_table, read_table
 from damage.applications.studies.records import NAME, line_of
 from damage.applications.studies.tables import write_study_tables
-from damage.applications.studies.tasks import PICTURES, Point, slices
+from damage.applications.studies.tasks import Point, slices
 from damage.applications.studies.worker import work
 from damage.errors import InputError, some_of, warn
 from damage.run.pace import Pace, time_left
@@ -47,7 +47,8 @@ def run(study, folder, jobs, keep="all", *, remake=False, part=None, lock=None):
     jobs : int
         Number of processes.
     keep : {"all", "summary", "patterns"}
-        What stays of runs (`damage.applications.studies.tasks.KEEP`).
+        What stays of runs: all histories; those of each point's first run; these, and of each run
+        its patterns at rest.
     remake : bool
         Whether runs that another version made are made again.
     part : (int, int), optional
@@ -152,7 +153,7 @@ class Batch:
 
         def follow(task, record):
             """Write the record of a run; returns the tasks that follow."""
-            if task.kind == PICTURES:
+            if task.draws:
                 return []
             file.write(line_of({"run": record["run"], "inputs": inputs[task.point][0]} | record))
             file.flush()
@@ -172,7 +173,6 @@ class Batch:
             work=work_on,
             lock=self.lock,
             folder=self.folder,
-            say=say,
             watch=self._watch,
         )
         pool.run(
@@ -305,18 +305,13 @@ class Batch:
         sys.stdout.flush()
         named = {}
         for task in failed:
-            what = f"pictures of {task.name}" if task.kind == PICTURES else task.point.id
+            what = f"pictures of {task.name}" if task.draws else task.point.id
             named.setdefault(what, task)
         for what, task in named.items():
             print(
                 f"failed: {what}; see {task.log}{last_words(task.log, task.name)}", file=sys.stderr
             )
         return 1 if failed else 0
-
-
-def say(line):
-    """Print a line at once."""
-    print(line, flush=True)
 
 
 def _shown_table(tables, unit):

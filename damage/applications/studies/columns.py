@@ -1,16 +1,11 @@
 """Columns of the tables of studies and of fragility, for the data dictionary."""
 
-from damage.applications.studies.states import INTENSITIES, LEVELS, unit_of
+from damage.applications.studies.states import COLUMNS, INTENSITIES, LEVELS, in_unit, unit_of
 from damage.history.schema import Column, each
-from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS, RUN
+from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS
 from damage.measure.damage_index import SLIP
 from damage.measure.summary import MEASURES
 
-RUNS = {
-    name: column
-    for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
-    for name, column in each(table).items()
-}
 MEMBERS = {"members": Column("1", "runs of the point in its solver")}
 POINTS = {
     **each(PARAMETERS),
@@ -62,39 +57,31 @@ CURVE = _STATE | {
         "they do",
     ),
 }
-ENDS = ("low", "lower"), ("high", "upper")
-UNITS = dict([unit_of(name) for name in INTENSITIES])
+
+
+def _in_units(name, meaning):
+    """Columns of a table by the unit of each of INTENSITIES."""
+    return {in_unit(name, column): Column(unit_of(column), meaning) for column in INTENSITIES}
+
+
 FRAGILITY = {
     **CURVE,
-    **{
-        f"median_{name}": Column(unit, "intensity at which half of the runs exceed the level")
-        for name, unit in UNITS.items()
-    },
-    **{
-        f"median_both_{end}_{name}": Column(
-            unit, f"{bound} bound of the median, strengths and records drawn anew"
-        )
-        for end, bound in ENDS
-        for name, unit in UNITS.items()
-    },
-    **{
-        f"dispersion_both_{end}": Column(
-            "1", f"{bound} bound of the dispersion, strengths and records drawn anew"
-        )
-        for end, bound in ENDS
-    },
+    **_in_units("median", "intensity at which half of the runs exceed the level"),
+    **_in_units("median_both_low", "lower bound of the median, strengths and records drawn anew"),
+    **_in_units("median_both_high", "upper bound of the median, strengths and records drawn anew"),
+    "dispersion_both_low": Column(
+        "1", "lower bound of the dispersion, strengths and records drawn anew"
+    ),
+    "dispersion_both_high": Column(
+        "1", "upper bound of the dispersion, strengths and records drawn anew"
+    ),
     "fitted_both": Column(
         "1",
         "bootstrap samples that determine a curve; the others count as beyond the bounds, "
         "which are empty where 5 % or more do",
     ),
-    **{
-        f"median_new_record_{end}_{name}": Column(
-            unit, f"{bound} bound of a new record's own median"
-        )
-        for end, bound in ENDS
-        for name, unit in UNITS.items()
-    },
+    **_in_units("median_new_record_low", "lower bound of a new record's own median"),
+    **_in_units("median_new_record_high", "upper bound of a new record's own median"),
     "confidence": Column("1", "of the bounds"),
     "replicates": Column("1", "bootstrap samples that were drawn"),
     **SLIP,
@@ -123,14 +110,11 @@ AT = _STATE | {
     "value": Column("as `unit` says", "of the intensity"),
     "unit": Column("", "of the intensity"),
     "probability": Column("1", "of exceeding the level, by the curve through all records"),
-    **{
-        f"mean_{end}": Column("1", f"{bound} bound of it, strengths and records drawn anew")
-        for end, bound in ENDS
-    },
-    **{
-        f"new_record_{end}": Column("1", f"{bound} of a new record's own probability")
-        for end, bound in (("low", "lower bound"), ("median", "median"), ("high", "upper bound"))
-    },
+    "mean_low": Column("1", "lower bound of it, strengths and records drawn anew"),
+    "mean_high": Column("1", "upper bound of it, strengths and records drawn anew"),
+    "new_record_low": Column("1", "lower bound of a new record's own probability"),
+    "new_record_median": Column("1", "median of a new record's own probability"),
+    "new_record_high": Column("1", "upper bound of a new record's own probability"),
     "new_record": Column(
         "1",
         "probability in a new record, averaged over what it may be; the mean may lie outside the "
@@ -139,7 +123,7 @@ AT = _STATE | {
     "undetermined": CURVE["undetermined"],
 }
 TABLES = {
-    "summary.csv": RUNS | MEMBERS,
+    "summary.csv": COLUMNS | MEMBERS,
     "points.csv": POINTS,
     "fragility_INTENSITY.csv": FRAGILITY,
     "fragility_INTENSITY_at.csv": AT,

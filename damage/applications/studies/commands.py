@@ -1,31 +1,77 @@
 """Commands about studies: run them, what they write, fragility."""
 
+import os
+import re
+from argparse import ArgumentTypeError
+
 from damage.applications.studies.read import made_by_words
-from damage.arguments import arg, file_arg, group, number_from
-from damage.commands.table import STYLE, command, out, output, program, save, tables
+from damage.arguments import arg, file_arg, flag, group, number_from
+from damage.commands.table import STYLE, command, out, output, save, tables
 from damage.errors import warn
 from damage.files import json_text
 from damage.measure.tables import write_table
 from damage.provenance import shown_path
 
 
-@program("run a study: simulations, tables and pictures (see study --help)")
-def _study(words, quiet):
-    from damage.applications.studies.command import run_study
+def _slice(word):
+    match = re.fullmatch(r"([1-9]\d{0,4})/([1-9]\d{0,4})", word)
+    if not match or int(match[1]) > int(match[2]):
+        raise ArgumentTypeError(f"{word}: expected K/N with K from 1 to N, as 2/8; correct it")
+    return int(match[1]), int(match[2])
 
-    return run_study(words)
+
+def _solver(help_, default):
+    return arg("--solver", help_, choices=("yade", "reference", "both"), default=default)
+
+
+STUDY_OPTIONS = (
+    arg(
+        "-j",
+        "simulations at a time (default: one for each core)",
+        "N",
+        number_from(1, 9999, int),
+        dest="jobs",
+        default=os.cpu_count(),
+    ),
+    file_arg("--out", "DIR", "where everything goes (default results/NAME)"),
+    _solver("what simulates (default reference)", "reference"),
+    arg(
+        "--keep",
+        "histories: all (default); summary: those of each point's first run, and what failed;"
+        " patterns: these, and of every run openings, offsets and displacements at rest, some kB"
+        " each",
+        choices=("all", "summary", "patterns"),
+        default="all",
+    ),
+    flag("--dry-run", "make nothing: list the runs that are there and those to make"),
+    flag("--remake", "make runs again that another version made"),
+    arg(
+        "--slice",
+        "the K-th of N parts alone, without tables of the whole study: a job of a cluster",
+        "K/N",
+        _slice,
+    ),
+)
+"""Options of every command that runs studies."""
+
+
+@command(
+    "run a study: simulations, tables, pictures; what is done is not done again",
+    arg("study", "a study file (.toml), or the name of one that ships", "STUDY"),
+    *STUDY_OPTIONS,
+    examples=("quick", "my_study.toml -j 4 --keep summary --out mine"),
+)
+def _study(asked):
+    from damage.applications.studies.command import run_one, study_path
+
+    return run_one(asked, study_path(asked.study))
 
 
 @command(
     "the tables of a study, from the runs that exist so far",
     file_arg("study", "STUDY.toml"),
     file_arg("folder", "DIR", "the study's folder; tables go to DIR/tables"),
-    arg(
-        "--solver",
-        "whose runs the study names (default both)",
-        choices=("yade", "reference", "both"),
-        default="both",
-    ),
+    _solver("whose runs the study names (default both)", "both"),
     file_arg("--root", "DIR", "where walls and records lie (default: the working folder)"),
     examples=(
         "studies/quick.toml results/quick",

@@ -529,7 +529,7 @@ def in_words(fits):
         first = of_wall[0]
         lines += [
             (
-                f"{wall} wall by {first.intensity} [{unit_of(first.intensity)[1]}],"
+                f"{wall} wall by {first.intensity} [{unit_of(first.intensity)}],"
                 f" runs: {first.n_runs}, draws of strengths: {first.n_walls}, records:"
                 f" {first.n_records}; intervals of {100 * CONFIDENCE:.0f} %"
             ),
@@ -585,7 +585,7 @@ def at_intensities(fits, values):
             "level": fit.level,
             "intensity": fit.intensity,
             "value": values,
-            "unit": unit_of(fit.intensity)[1],
+            "unit": unit_of(fit.intensity),
             "probability": fit.probability(values),
             "mean_low": low,
             "mean_high": high,

@@ -119,7 +119,7 @@ def _draw(ax, x, runs, fit, colour, marker, line):
         bands = _bands(fit, x)
         for kind, bounds in bands.items():
             ax.fill_between(x, *bounds, color=colour, alpha=_BANDS[kind][0], lw=0)
-        unit = unit_of(fit.intensity)[1]
+        unit = unit_of(fit.intensity)
         entry += (
             f": between {fit.step[0]:#.3g} and {fit.step[1]:#.3g} {unit}"
             if fit.step

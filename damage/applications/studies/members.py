@@ -5,7 +5,6 @@ import math
 import os
 import shutil
 import sys
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -100,7 +99,7 @@ def _made(tasks, name):
 
     with while_locked(folder, "members") as lock:
         jobs = min(os.cpu_count(), math.ceil(len(tasks) / BACKEND.most))
-        pool = Pool(jobs, partial(work, inputs={}), lock, folder, say=partial(print, flush=True))
+        pool = Pool(jobs, work, lock, folder)
         pool.run(tasks, follow)
     return rows, pool
 

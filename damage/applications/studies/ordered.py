@@ -89,7 +89,7 @@ def _likelier(milder, graver):
         milder.dispersion * np.log(graver.median) - graver.dispersion * np.log(milder.median)
     ) / narrower
     intensities = np.log(np.asarray(graver.stripes[0]))
-    value = f"{np.exp(crossing):#.2g} {unit_of(graver.intensity)[1]}"
+    value = f"{np.exp(crossing):#.2g} {unit_of(graver.intensity)}"
     if narrower > 0 and crossing < intensities.max():
         return f"from {value} on"
     if narrower < 0 and crossing > intensities.min():

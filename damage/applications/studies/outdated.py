@@ -32,11 +32,10 @@ from damage.provenance import model_digest
 from damage.wall.as_built import replaced_lintels
 
 CODE = {"reference": Path(__file__).parents[2] / "reference", "yade": ROOT / "yade_scripts"}
-"""Where each solver's own code lies; an installed package is without YADE's."""
+"""Where each solver's own code lies."""
 FIRST_TABLES = "index", "events", "joints", "cycles"
 """Tables of the first run of a point where all histories are kept; of sequences shocks, too."""
 _DIFFERENCES = 3  # points, and differences of each, that a message names
-_NO_NOTE = "there is no note of them"
 _FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
 """The name of a run in the name of a file that belongs to it."""
 
@@ -66,10 +65,6 @@ class Results:
         for path in (folder / "runs").glob("*.h5"):
             self._files[_FILE.fullmatch(path.name)[1]].append(path)
 
-    def names_of(self, run):
-        """Names of the runs of a StudyRun in their order, empty where it is not done."""
-        return self.records.names_of(run)
-
     def judge(self, runs):
         """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is
         bad."""
@@ -89,14 +84,20 @@ class Results:
                 dict.fromkeys(
                     change
                     for key in {self._key(name) for name in names}
-                    for change in self.changes(inputs, key)
+                    for change in self._changes(inputs, key)
                 )
             )
             if differing:
                 verdict.changed[run] = differing
                 continue
             for name in self.records.runs.keys() & names:
-                self._versions(name, verdict)
+                row = self.records.runs[name]["row"]
+                code = CODE[row["solver"]]
+                # an installed package is without YADE's
+                if code.is_dir() and row["model_digest"] != model_digest(code):
+                    verdict.models[name] = f"{row['solver']} {row['model_digest']}"
+                if not is_of_today(row):
+                    verdict.measures.append(name)
         return verdict
 
     def _key(self, name):
@@ -104,21 +105,11 @@ class Results:
         record = self.records.runs.get(name)
         return self.records.points.get(point_of(name)) if record is None else record.get("inputs")
 
-    def changes(self, inputs, key):
+    def _changes(self, inputs, key):
         """How Inputs differ from those with this key, a list of words; empty where they are
         equal."""
         then = self.records.inputs.get(key)
-        if then is None:
-            return [_NO_NOTE]
-        return differences(then, inputs)
-
-    def _versions(self, name, verdict):
-        row = self.records.runs[name]["row"]
-        model = f"{row['solver']} {row['model_digest']}"
-        if model != _today(row["solver"], model):
-            verdict.models[name] = model
-        if not is_of_today(row):
-            verdict.measures.append(name)
+        return ["there is no note of them"] if then is None else differences(then, inputs)
 
     def bring_up_to_date(self, verdict, remake=False):
         """Take away what is to be made again; returns warnings, a list of str.
@@ -160,7 +151,7 @@ class Results:
 
     def _forget(self, name):
         """Take the record of a run away."""
-        self.records.orderly &= self.records.runs.pop(name, None) is None
+        self.records.runs.pop(name, None)
 
     def lines_of(self, verdict):
         """Today's inputs of points, as a slice writes them before its records."""
@@ -174,16 +165,14 @@ class Results:
         """Write the one file of records, with today's inputs of all points, where it does not hold
         just this; files of slices go."""
         for run, (key, inputs) in verdict.inputs.items():
-            self.records.orderly &= self.records.points.get(run.id) == key
             self.records.points[run.id] = key
             self.records.inputs[key] = inputs
-        if self.records.orderly:
-            return
-        write_text(self.folder / NAME, self.records.text())
+        path = self.folder / NAME
+        text = self.records.text()
+        if not path.is_file() or path.read_text("utf-8", "replace") != text:
+            write_text(path, text)
         for path in self.folder.glob("records-*.jsonl"):
             path.unlink()
-        self.records.orderly = True
-        self.records.faults = []
 
     def is_whole(self, task):
         """Whether all that a run leaves is there, its record included."""
@@ -226,8 +215,3 @@ def _warnings(verdict, remake):
             f" {some_of(list(verdict.models))}"
         )
     return warnings
-
-
-def _today(solver, model):
-    """Today's model of a solver; the given one where its code is not here."""
-    return f"{solver} {model_digest(CODE[solver])}" if CODE[solver].is_dir() else model

@@ -58,7 +58,7 @@ def unfinished(folder):
     except (InputError, OSError):
         return None
     results = Results(folder)
-    present = [run for run in study.runs if results.names_of(run)]
+    present = [run for run in study.runs if results.records.names_of(run)]
     if way_on(folder) is None:  # which solver was meant
         solvers = {run.solver for run in present}
         study = replace(study, runs=tuple(run for run in study.runs if run.solver in solvers))
@@ -81,7 +81,7 @@ def _present(results, verdict, remake):
     lost = {*verdict.models, *verdict.measures} if remake else set()
     present = {}
     for run in verdict.inputs:
-        names = results.names_of(run)
+        names = results.records.names_of(run)
         present[run] = [] if run in verdict.changed or lost.intersection(names) else names
     return present
 

@@ -16,7 +16,7 @@ from importlib import import_module
 from multiprocessing.connection import wait
 
 from damage.applications.studies.folder import NO_ROOM, POLITE_ENDS, handled, is_short
-from damage.applications.studies.tasks import CHANGED, RUN
+from damage.applications.studies.tasks import CHANGED, batch_of, company_of
 from damage.errors import warn
 from damage.mechanics.compiled import COMPILING, is_cached
 from damage.provenance import measures_digest, versions
@@ -31,6 +31,11 @@ LOOK_S = 2.0
 """Between two looks at the room on the disk, and two signals that end processes [s]."""
 # processes begin with all libraries, compiled code and records
 _FORK = multiprocessing.get_context("fork")
+
+
+def say(line):
+    """Print a line at once."""
+    print(line, flush=True)
 
 
 class Worker:
@@ -54,11 +59,11 @@ class Worker:
 
     def takes(self, task, share):
         """Whether a task can go to it; share: how many runs step together in a process, all of one
-        Task.batch: of two, each would have too few."""
+        `batch_of`: of two, each would have too few."""
         return not self.tasks or (
             len(self.tasks) < share
             and all(task_.steps and not task_.alone for task_ in (task, *self.tasks))
-            and task.batch == self.tasks[0].batch
+            and batch_of(task.point) == batch_of(self.tasks[0].point)
         )
 
     def give(self, task):
@@ -89,16 +94,15 @@ class Worker:
 class Pool:
     """So many processes that do tasks in the folder of a study."""
 
-    def __init__(self, jobs, work, lock, folder, say, watch=lambda shares: None):
+    def __init__(self, jobs, work, lock, folder, watch=lambda shares: None):
         """work: what each of them does, `damage.applications.studies.worker.work`; lock: descriptor
-        that solvers hold as long as they run; say(line): prints a line; watch(shares): gets now
-        and then {task of a run under way: share that is simulated}."""
+        that solvers hold as long as they run; watch(shares): gets now and then {task of a run
+        under way: share that is simulated}."""
         self._watch = watch
         self.jobs = jobs
         self.folder = folder
         self._work = work
         self._lock = lock
-        self._say = say
         self.interrupted = self.short = False  # ended by a signal; in want of room
         # tasks; runs that an interrupt ended
         self.failed = []
@@ -121,14 +125,14 @@ class Pool:
         order = {
             company: place
             for place, company in enumerate(
-                dict.fromkeys(task.company for task in tasks if task.steps)
+                dict.fromkeys(company_of(task.point) for task in tasks if task.steps)
             )
         }
         # Those that can step together, one after the other; YADE's, which take longest, after
         # results that come soon.
-        self._add(sorted(tasks, key=lambda task: order.get(task.company, len(order))))
+        self._add(sorted(tasks, key=lambda task: order.get(company_of(task.point), len(order))))
         if first := next((task for task in self._waiting if task.steps), None):
-            load_compiled(first, self._say)
+            load_compiled(first)
         with handled(self._interrupt):
             try:
                 self._do(follow)
@@ -142,7 +146,7 @@ class Pool:
     def _add(self, tasks):
         """Queue tasks: runs of the reference solver before others, pictures last."""
         for task in tasks:
-            if task.kind != RUN:
+            if task.draws:
                 self._later.append(task)
             else:
                 place = next(
@@ -185,7 +189,7 @@ class Pool:
                 worker.shares = ended[1]
                 self._watch(self.shares)
             elif task is None:
-                self._say(ended[0])
+                say(ended[0])
             elif self.ended or ended[0] != EXIT_INTERRUPTED:  # else it ends, and the task with it
                 worker.tasks.remove(task)
                 self._end(task, *ended, follow)
@@ -199,7 +203,7 @@ class Pool:
             task: worker.shares.get(task.name, 0.0)
             for worker in self._workers
             for task in worker.tasks
-            if task.kind == RUN
+            if not task.draws
         }
 
     def _hand_out(self):
@@ -214,7 +218,7 @@ class Pool:
             while queue and (worker := self._worker_for(queue[0], share)):
                 if queue[0].steps and share > 1 and not self._announced:
                     self._announced = True
-                    self._say(f"up to {share} runs step together in a process")
+                    say(f"up to {share} runs step together in a process")
                 worker.give(queue.pop(0))
 
     def _worker_for(self, task, share):
@@ -228,14 +232,14 @@ class Pool:
     def _end(self, task, status, record, follow):
         """Take note of how a task ended, and of the tasks that follow."""
         if status == EXIT_INTERRUPTED:
-            self.n_lost += task.kind == RUN
+            self.n_lost += not task.draws
             return
         if status == CHANGED:
             self.changed.append((task, record))
             return
         if status != 0:
             self.failed.append(task)
-            self._say(f"{task.name}: FAILED")
+            say(f"{task.name}: FAILED")
             return
         try:
             self._add(follow(task, record))
@@ -261,7 +265,7 @@ class Pool:
         for task in failed:
             with open(task.log, "a", encoding="utf-8") as log:
                 log.write(f"error: {task.name}: its process was ended twice ({how})\n")
-            self._say(f"{task.name}: FAILED")
+            say(f"{task.name}: FAILED")
         return again
 
     def _end_short(self):
@@ -279,7 +283,7 @@ class Pool:
         self._end_all()
 
 
-def load_compiled(task, say):
+def load_compiled(task):
     """Compile the reference solver, or load it, before there are processes: once for all of them,
     as what else each would load or work out."""
     if not is_cached():

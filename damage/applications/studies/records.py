@@ -37,15 +37,13 @@ class Records:
     """What the records of a folder say.
 
     runs: {name: record}; inputs: {key: inputs as JSON}; points: {StudyRun.id: key}, which holds for
-    histories without a record; faults: one line for each record that was changed; orderly: whether
-    NAME is the only source, with a good line for each run.
+    histories without a record; faults: one line for each record that was changed.
     """
 
     runs: dict = field(default_factory=dict)
     inputs: dict = field(default_factory=dict)
     points: dict = field(default_factory=dict)
     faults: list = field(default_factory=list)
-    orderly: bool = True
 
     def names_of(self, run):
         """Names of the runs of a StudyRun in their order, empty where it is not done."""
@@ -113,18 +111,15 @@ def key_of(content):
 def read_records(folder):
     """The Records of a study's folder."""
     records = Records()
-    sources = sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns)
-    for path in sources:
+    for path in sorted(folder.glob("records*.jsonl"), key=lambda path: path.stat().st_mtime_ns):
         _read_file(path, records)
-    records.orderly &= not records.faults and [path.name for path in sources] in ([], [NAME])
     return records
 
 
 def _read_file(path, records):
     """Add what a file of records says."""
-    *lines, torn = path.read_text(encoding="utf-8", errors="replace").split("\n")
-    records.orderly &= not torn
-    for number, line in enumerate([*lines, torn], start=1):
+    lines = path.read_text(encoding="utf-8", errors="replace").split("\n")
+    for number, line in enumerate(lines, start=1):
         if not line.rstrip().endswith("}"):  # empty, or torn
             continue
         try:
@@ -137,7 +132,8 @@ def _read_file(path, records):
             )
             continue
         if "run" in record:
-            records.runs[record["run"]] = {"inputs": None} | record
+            record.setdefault("inputs", None)
+            records.runs[record["run"]] = record
         else:
             records.inputs[record["inputs"]] = record["of"]
             records.points |= {record["point"]: record["inputs"]} if record["point"] else {}

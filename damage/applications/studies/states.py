@@ -15,7 +15,7 @@ import pandas as pd
 
 from damage.errors import InputError
 from damage.history.schema import each
-from damage.measure.columns import PARAMETERS, RUN
+from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.summary import MEASURES
 from damage.toml_file import read_toml
 
@@ -34,6 +34,12 @@ INTENSITIES = {
 }
 """Intensities that are compared with one another; the first that a study has is the default.  What
 an axis says."""
+COLUMNS = {
+    name: column
+    for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
+    for name, column in each(table).items()
+}
+"""Columns of summary.csv, {name: Column}."""
 STUDY_FILE = "a study file (.toml)", 10
 """What is expected of one, and its largest size [MB]."""
 _STATE = re.compile(r"(?:(?P<name>[^:<>]+):)?(?P<measure>[^:<>]+)>(?P<level>[^:<>]+)")
@@ -187,22 +193,22 @@ def leading(runs):
 
 
 def unit_of(column):
-    """The unit of a column as in the names of other columns, "" of one without, and as written.
+    """The unit of a column of summary.csv, "1" of one without, of text and of an unknown column.
 
-    >>> unit_of("pgv_m_s"), unit_of("max_DI")
-    (('m_s', 'm/s'), ('', '1'))
+    >>> unit_of("pgv_m_s"), unit_of("max_DI"), unit_of("wall")
+    ('m/s', '1', '1')
     """
-    unit = unit_in(column) or "1"
-    return unit.replace("/", "_") if unit != "1" else "", unit
+    return (COLUMNS[column].unit if column in COLUMNS else "") or "1"
 
 
 def in_unit(name, column):
     """A column's name for a value in the unit of another column.
 
-    >>> in_unit("median", "pga_g"), in_unit("median", "max_DI")
-    ('median_g', 'median')
+    >>> in_unit("median", "pgv_m_s"), in_unit("median", "max_DI")
+    ('median_m_s', 'median')
     """
-    return "_".join(filter(None, (name, unit_of(column)[0])))
+    unit = unit_of(column)
+    return name if unit == "1" else f"{name}_{unit.replace('/', '_')}"
 
 
 def in_picture(column):
@@ -211,7 +217,7 @@ def in_picture(column):
     >>> in_picture("max_drift_ratio"), in_picture("initial_stiffness_n_per_m")
     (('maximum drift ratio', '-'), ('initial stiffness', 'N/m'))
     """
-    unit = unit_of(column)[1]
+    unit = unit_of(column)
     text = re.sub(f"_{unit.lower().replace('/', '_(per_)?')}$", "", column).replace("_", " ")
     text = re.sub(r"^max ", "maximum ", text).replace("psi", r"$\Psi$")
     return text, "-" if unit == "1" else unit
@@ -229,19 +235,3 @@ def column_words(name):
     ('maximum crack width [mm]', 'PGV [m/s]', 'wall')
     """
     return re.sub(r"[$_{}\\]|mathrm", "", label(name)).replace(" [-]", "")
-
-
-def unit_in(name):
-    """Unit of a column of summary.csv; "" for text and for unknown columns.
-
-    >>> unit_in("max_crack_width_mm"), unit_in("max_DI"), unit_in("wall")
-    ('mm', '1', '')
-    """
-    return next(
-        (
-            known[name].unit
-            for known in map(each, (PARAMETERS, RUN, *MEASURES.values()))
-            if name in known
-        ),
-        "",
-    )

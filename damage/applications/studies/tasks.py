@@ -12,22 +12,18 @@ from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.folder import ROOT
 from damage.run.checkpoint import checkpoint_path
 
-RUN = "run"
-PICTURES = "pictures"
 CHANGED = -1
 """In place of an exit status: the run was not made, as its inputs changed since the study began."""
 YADE = 200
 """For how many runs of the reference solver one in YADE counts."""
-KEEP = "all", "summary", "patterns"
-"""What stays of runs: all histories; those of each point's first run; these, and of each run its
-patterns at rest."""
 
 
 @dataclass(frozen=True)
 class Task:
     """The run with this number of a point, or its pictures; keeps_history: whether its history
     stays; patterns: whether those at rest do (`damage.applications.cracks.at_rest`); tables:
-    whether it has tables of its own; alone: whether its process does nothing else meanwhile.
+    whether it has tables of its own; draws: whether it makes the pictures; alone: whether its
+    process does nothing else meanwhile.
 
     Paths: history: where it is in the end; part: where it grows, as a file with the name of a
     history is a whole one; pattern: of its patterns at rest; pictures: their folder; log: what a
@@ -40,7 +36,7 @@ class Task:
     keeps_history: bool
     patterns: bool = False
     tables: bool = False
-    kind: str = RUN
+    draws: bool = False
     alone: bool = False
 
     @property
@@ -65,10 +61,8 @@ class Task:
 
     @property
     def log(self):
-        ending = "_pictures" if self.kind == PICTURES else ""
-        return (
-            self.folder / "logs" / ("reference.log" if self.steps else f"{self.name}{ending}.log")
-        )
+        name = f"{self.name}_pictures" if self.draws else self.name
+        return self.folder / "logs" / f"{'reference' if self.steps else name}.log"
 
     @property
     def stands(self):
@@ -84,23 +78,13 @@ class Task:
     @property
     def steps(self):
         """Whether it is a run of the reference solver, up to eight of which share a process."""
-        return self.kind == RUN and self.point.solver == "reference"
-
-    @property
-    def company(self):
-        """Properties that runs share which step together from beginning to end."""
-        return company_of(self.point)
-
-    @property
-    def batch(self):
-        """Properties without which runs cannot be in one batch: their bricks, or the masses that
-        are scaled, differ."""
-        return batch_of(self.point)
+        return not self.draws and self.point.solver == "reference"
 
 
 @cache
 def company_of(point):
-    """As Task.company, of all runs of a point."""
+    """Properties that runs share which step together from beginning to end, of all runs of a
+    point; None of YADE's."""
     if point.solver != "reference":
         return None
     settings = point.settings(ROOT)
@@ -115,7 +99,8 @@ def company_of(point):
 
 @cache
 def batch_of(point):
-    """As Task.batch, of all runs of a point."""
+    """Properties without which runs cannot be in one batch, as their bricks, or the masses that
+    are scaled, differ; of all runs of a point."""
     return point.wall, point.settings(ROOT).settlement is None
 
 
@@ -134,13 +119,15 @@ class Point:
     handed out."""
 
     def __init__(self, run, results, keep, pictures):
-        """results: `damage.applications.studies.outdated.Results` of the folder; keep: one of KEEP;
-        pictures: whether those of its first run are made."""
+        """results: `damage.applications.studies.outdated.Results` of the folder; keep: as of
+        `damage.applications.studies.batch.run`; pictures: whether those of its first run are
+        made."""
         self.run = run
         self._folder = results.folder
         self._keep = keep
         self.pictures = pictures
         self._asked = set()
+        self._drawing = False
         self.records = {
             number: record
             for number, record in results.records.of_point(run).items()
@@ -182,8 +169,7 @@ class Point:
     def next_pictures(self):
         """The task of its pictures, in a list, where the first run is done and they are not there;
         once."""
-        task = replace(self._task(1), kind=PICTURES)
-        if not self.pictures or 1 not in self.records or PICTURES in self._asked or self.is_drawn:
+        if not self.pictures or 1 not in self.records or self._drawing or self.is_drawn:
             return []
-        self._asked.add(PICTURES)
-        return [task]
+        self._drawing = True
+        return [replace(self._task(1), draws=True)]

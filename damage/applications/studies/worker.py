@@ -17,7 +17,7 @@ from types import MappingProxyType
 from damage.applications.studies.conclude import conclude, draw
 from damage.applications.studies.folder import POLITE_ENDS, ROOT, end_with_parent, open_log
 from damage.applications.studies.inputs import changes
-from damage.applications.studies.tasks import CHANGED, PICTURES
+from damage.applications.studies.tasks import CHANGED
 from damage.applications.studies.yade_process import run_yade
 from damage.errors import InputError, some_of
 from damage.history.in_memory import HistoryInMemory, HistoryKept
@@ -60,9 +60,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
         else:
             task.log.unlink(missing_ok=True)
             print_into(task.log)
-            status, record = (
-                draw(task) if task.kind == PICTURES else run_yade(task, connection, lock, inputs)
-            )
+            status, record = draw(task) if task.draws else run_yade(task, connection, lock, inputs)
             connection.send((task, status, record))
         if status == EXIT_INTERRUPTED:  # nothing more begins
             return

@@ -28,7 +28,7 @@ from small_history import make_history
 
 from benchmarks.resume import kill_tree
 from damage.__main__ import main
-from damage.applications.studies import batch, command, folder, yade_process
+from damage.applications.studies import batch, folder, yade_process
 from damage.applications.studies.definition import StudyRun
 from damage.applications.studies.inputs import as_json, inputs_of
 from damage.applications.studies.outdated import Results
@@ -247,13 +247,14 @@ class TestPool:
             (tmp_path / "logs").mkdir(exist_ok=True)
             monkeypatch.setattr("damage.applications.studies.pool.load_compiled", lambda *_: None)
             monkeypatch.setattr(
-                "damage.applications.studies.tasks.company_of", lambda point: point.options
+                "damage.applications.studies.pool.company_of", lambda point: point.options
             )
             monkeypatch.setattr(
-                "damage.applications.studies.tasks.batch_of", lambda point: point.point[0] == "s"
+                "damage.applications.studies.pool.batch_of", lambda point: point.point[0] == "s"
             )
             lines = []
-            return Pool(jobs, work, -1, tmp_path, lines.append), lines
+            monkeypatch.setattr("damage.applications.studies.pool.say", lines.append)
+            return Pool(jobs, work, -1, tmp_path), lines
 
         return make
 
@@ -364,7 +365,6 @@ class TestFolder:
         monkeypatch.setattr(folder, "LOCK_PATIENCE_S", 0.0)
         lock = folder.claim(tmp_path / "out", self.study(tmp_path))
         results = Results(tmp_path / "out")
-        results.records.orderly = False
         results.write(results.judge([]))  # which deletes what earlier versions kept
         refused_with(
             "another batch is at work", folder.claim, tmp_path / "out", self.study(tmp_path)
@@ -405,10 +405,10 @@ class TestInputsThatChange:
     ):
         study = batches.study(DRAWN % 3)
         wall = batches.folder / "tiny.py"
-        words = [str(study), "-j1", "--keep", "summary", "--out", str(batches.out)]
+        words = ["study", str(study), "-j1", "--keep", "summary", "--out", str(batches.out)]
         with monkeypatch.context() as patch:
             self.edited(patch, lambda: wall_file(wall, TINY.replace("0.6", "0.45")))
-            assert command.run_study(words) == 1
+            assert main(words) == 1
         said = [line for line in capfd.readouterr().err.splitlines() if "changed" in line]
         assert said == [
             "error: 4 runs were not made, as inputs changed since the study began: drawn_reference"
@@ -418,7 +418,7 @@ class TestInputsThatChange:
         ]
         assert not read_records(batches.out).runs and not list((batches.out / "runs").iterdir())
         wall_file(wall, TINY)
-        assert command.run_study(words) == 0 and len(read_records(batches.out).runs) == 4
+        assert main(words) == 0 and len(read_records(batches.out).runs) == 4
 
     def test_yade_reads_by_itself_and_is_compared_by_the_wall_of_its_history(
         self, tmp_path, monkeypatch

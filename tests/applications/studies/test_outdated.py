@@ -69,7 +69,6 @@ class Folder:
         verdict = results.judge([run])
         [(key, _)] = verdict.inputs.values()
         results.records.runs[run.name(1)] = {"inputs": key} | json.loads(json.dumps(record))
-        results.records.orderly = False
         results.write(verdict)
         assert self.judge().changed == {}
 
@@ -228,7 +227,7 @@ class TestRecords:
         }
         path.write_text(text[:-20])
         torn = read_records(tmp_path)
-        assert list(torn.runs) == ["b"] and not torn.orderly and not torn.faults
+        assert list(torn.runs) == ["b"] and not torn.faults
         path.write_text(f"{text[:-20]}\n{line_of(one)}")
         assert list(read_records(tmp_path).runs) == ["b", "a"]
 
@@ -261,7 +260,7 @@ class TestRecords:
         assert results.bring_up_to_date(verdict) == said
         results.write(verdict)
         # reported once
-        assert (tmp_path / NAME).read_text() == line_of({"inputs": None} | record("a", tmp_path))
+        assert (tmp_path / NAME).read_text() == line_of(record("a", tmp_path) | {"inputs": None})
 
     def test_slices_add_to_the_records_and_a_batch_makes_one_file_of_them(self, tmp_path):
         there = Folder(tmp_path, "harmonic = [0.2, 0.1], strength-cov = 0.3", "samples = 2")
@@ -273,7 +272,7 @@ class TestRecords:
         part.write_text(line_of(other | {"inputs": "of a job that began with others"}))
         assert list(there.judge().changed) == [run]
         part.write_text(line_of(other | {"inputs": key}))
-        assert Results(there.out).names_of(run) == [run.name(1), run.name(2)]
+        assert Results(there.out).records.names_of(run) == [run.name(1), run.name(2)]
         assert there.settle() == [] and not part.exists()
         assert list(read_records(there.out).runs) == [run.name(1), run.name(2)]
 
