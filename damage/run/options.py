@@ -307,11 +307,6 @@ def _action(actions, name):
     return actions[name.replace("-", "_")]
 
 
-def file_options():
-    """The names of the options of a run that name a file."""
-    return [name for name, action in options_of_a_run().items() if action.type is file_path]
-
-
 def names_file(name, value):
     """Whether the value of an option names a file.
 

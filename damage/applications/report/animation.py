@@ -99,10 +99,9 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
     Raises InputError where the window has none, or more than `most`.
     """
     times = history.snapshot_time_s
-    series = history.series
     start, end = window_s or (-np.inf, np.inf)
     chosen = np.flatnonzero((times >= start) & (times <= end))
-    if len(chosen) == 0 or len(series) == 0:
+    if len(chosen) == 0 or len(history.time_s) == 0:
         raise InputError(
             f"{history.path} has no snapshot from {start:g} to {end:g} s; expected one or more,"
             " give another --window, or let the run continue"
@@ -114,7 +113,7 @@ def choose_snapshots(history, window_s=None, most=MOST_FRAMES):
             f"--window {start:g} {end:g} holds {len(chosen)} snapshots; expected up to {most}, give"
             " a shorter one"
         )
-    top = series["time_s"].iloc[int(history.largest_index.argmax())]
+    top = history.time_s[history.largest_index.argmax()]
     first = int(np.clip(nearest(times, top) - most // 2, 0, len(chosen) - most))
     return chosen[first : first + most]
 
@@ -148,26 +147,20 @@ def _shoot(history, snapshots, magnify, writer, path):
             writer.grab_frame()
 
 
-def _common_magnification(history, snapshots):
-    """Magnification for all snapshots: that of the one with the largest displacements."""
-    motions = [motion for motion in history.displacement[snapshots].astype(float) if np.any(motion)]
-    return min((magnification(history.bodies, motion) for motion in motions), default=1.0)
-
-
 def _stage(history, snapshots, above, below, magnify):
     """Draw a wall above, drift and index over time below; returns the factor on displacements, the
     height of the figure [inch], handles of a legend, and a function that draws a sample and
     snapshot and returns the time of what it shows [s]."""
-    magnify = _common_magnification(history, snapshots) if magnify is None else magnify
+    motions = history.displacement[snapshots].astype(float)
+    if magnify is None:  # that of the largest displacements
+        each = [magnification(history.bodies, motion) for motion in motions if np.any(motion)]
+        magnify = min(each, default=1.0)
     damage = history.largest_index
     gravest = wall_shape(history, "max", magnify=magnify)
     draw_wall(above, gravest)
     ratio = show_all(
         above,
-        *(
-            body_corners(history.bodies, history.displacement[k].astype(float), magnify)
-            for k in snapshots
-        ),
+        *(body_corners(history.bodies, motion, magnify) for motion in motions),
         ground=False,
     )
     gravest = gravest.on_page(span_m=(np.ptp(above.get_xlim()), np.ptp(above.get_ylim())))

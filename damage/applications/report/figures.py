@@ -2,6 +2,7 @@
 
 import base64
 
+import numpy as np
 from matplotlib.image import imread
 
 from damage.applications.report.packing import as_png
@@ -56,13 +57,13 @@ def _embedded(path):
         raise InputError(
             f"{path} cannot be read as a picture ({error}); expected a PNG file, draw it again"
         ) from error
-    return {
-        "name": path.stem,
-        "data": base64.b64encode(path.read_bytes()).decode("ascii"),
-        "width": width,
-        "height": height,
-        "words": figure_words(path.stem),
-    }
+    data = base64.b64encode(path.read_bytes()).decode("ascii")
+    return _figure(path.stem, data, width, height)
+
+
+def _figure(name, data, width, height):
+    words = figure_words(name)
+    return {"name": name, "data": data, "width": width, "height": height, "words": words}
 
 
 def figure_words(name):
@@ -77,14 +78,7 @@ def figure_words(name):
 
 def drawn(name, figure):
     """A matplotlib Figure as an embedded figure; width and height give its aspect ratio only."""
-    width, height = (round(100 * inches) for inches in figure.get_size_inches())
-    return {
-        "name": name,
-        "data": as_png(figure),
-        "width": width,
-        "height": height,
-        "words": figure_words(name),
-    }
+    return _figure(name, as_png(figure), *np.round(100 * figure.get_size_inches()).astype(int))
 
 
 def documents(folder):

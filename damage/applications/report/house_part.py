@@ -30,8 +30,7 @@ def house_part(history, summaries):
     )
     return {
         "title": run_title(history),
-        "file": history.path.name,
-        "status": summary["status"],
+        "history": history,
         "heads": [result_of(column).heading for column in WALLS],
         "walls": [
             (name, [_cell(result_of(column), value_in(summary, column)) for column in WALLS])
@@ -45,7 +44,6 @@ def house_part(history, summaries):
         "pictures": [
             (as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures
         ],
-        "wall_files": [part.path.name for part in history.parts],
     }
 
 

@@ -126,8 +126,8 @@ def page(files, folders, heading=Heading()):
             subject=title if heading.title else "",
             author=heading.author,
             paragraphs=heading.paragraphs,
-            measures=measures(runs) if runs else [],
-            energies=energy_balance(runs) if runs else [],
+            measures=measures(runs),
+            energies=energy_balance(runs),
             parameters=parameters,
             versions=versions,
             threshold_mm=THRESHOLD / MILLIMETRE,
@@ -138,7 +138,7 @@ def page(files, folders, heading=Heading()):
             style=(PAGE / "report.css").read_text(encoding="utf-8"),
             program=(PAGE / "report.js").read_text(encoding="utf-8"),
             library=plotly_code() if runs else "",
-            library_version=plotly_version() if runs else "",
+            plotly_version=plotly_version,
             made_by=f"masonry-damage {VERSION}, commit {commit()}",
         )
     )

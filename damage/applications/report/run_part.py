@@ -6,12 +6,13 @@ import pandas as pd
 
 from damage.applications.report.packing import as_png, pack_arrays, quantised
 from damage.applications.report.plain import plain
-from damage.applications.studies.spread import members_in_words, members_of, spread
+from damage.applications.studies.spread import members_in_words, spread_of
 from damage.draw.preview import wall_preview
 from damage.draw.run import ENERGIES, pictures_beside, wall_picture
 from damage.draw.style import BODY_COLOURS
 from damage.draw.wall import magnification
 from damage.draw.words import run_title
+from damage.history.in_space import motion_of
 from damage.history.info import info
 from damage.history.moments import (
     JOINT_STATES,
@@ -48,7 +49,6 @@ def run_part(history, letter, language="en"):
     part = {
         "letter": letter,
         "title": run_title(history),
-        "solver": history.solver,
         "history": history,
         "file": history.path.name,
         "first": said_first(history, summary["warnings"]),
@@ -133,8 +133,7 @@ def said_first(history, warnings=()):
 def _key_numbers(history, summary):
     """(label, value, the value in the digits that are known, unit, what else is said) of what one
     asks first; of a run with members their median and range, too."""
-    table = members_of(history)
-    members = {} if table is None else spread(table)
+    members = spread_of(history) or {}
     cards = []
     for column in (*KEY, "settled_psi"):
         result = result_of(column)
@@ -215,15 +214,11 @@ def _moving_wall(history, chosen):
         history.opening_m[chosen][:, ever], history.offset_m[chosen][:, ever], dtype=float
     )
     near = [nearest_snapshot(history, time) for time in history.time_s[chosen]]
-    still = np.zeros((len(history.bodies), 3))
-    motion = np.nan_to_num(
-        [still if snapshot is None else history.displacement[snapshot] for snapshot in near]
-    )
+    motion = np.nan_to_num([motion_of(history, snapshot) for snapshot in near])
     supports = [support_motion(history, snapshot) for snapshot in near]
     places, step = quantised(
         np.concatenate([motion, [support.motion for support in supports]], axis=1)
     )
-    joints = history.joints.iloc[ever]
     bodies = history.bodies
     ends = tributary_ends(history.joints)
     elastic = np.setdiff1d(
@@ -235,12 +230,11 @@ def _moving_wall(history, chosen):
         "ends": ends[ever].astype("f4").ravel(),
         "elastic_ends": ends[elastic].astype("f4").ravel(),
         **{
-            f"elastic_{name}": history.joints[f"{name}_body"].iloc[elastic].astype("i4")
+            f"{prefix}{name}": history.joints[f"{name}_body"].iloc[joints].astype("i4")
+            for prefix, joints in (("elastic_", elastic), ("", ever))
             for name in ("first", "second")
         },
-        "first": joints["first_body"].astype("i4"),
-        "second": joints["second_body"].astype("i4"),
-        "head": joints["kind"].isin(("head", "brick")).astype("u1"),
+        "head": history.joints["kind"].iloc[ever].isin(("head", "brick")).astype("u1"),
         "place": places.ravel(),
         "support_x": ((supports[0].left + supports[0].right) / 2).astype("f4"),
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),

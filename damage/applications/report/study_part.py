@@ -46,7 +46,7 @@ COLUMNS = (
     "energy_error_fraction",
 )
 """Columns of the table of points, shown where they have a value."""
-OFTEN_SHARED = ("solver", "members", "status", "collapsed", "pga_g", "pgv_m_s")
+OFTEN_SHARED = COLUMNS[:6]
 """Columns of which a value that all points share is shown once, above the table."""
 OF_POINTS = {
     "members": "how many runs the point has in its solver",
@@ -80,18 +80,11 @@ def studies_below(folder):
     return studies
 
 
-def runs_of(folder):
-    """(summary, points) of a study's folder, DataFrames."""
-    tables = folder / "tables"
-    return (
-        read_table(tables / "summary.csv", ("run", "point", "solver", "status")),
-        read_table(tables / "points.csv", NEEDED),
-    )
-
-
 def study_part(folder):
     """Everything about the study in a folder, a dictionary for the page."""
-    summary, points = runs_of(folder)
+    tables = folder / "tables"
+    summary = read_table(tables / "summary.csv", ("run", "point", "solver", "status"))
+    points = read_table(tables / "points.csv", NEEDED)
     content = [name for name in COLUMNS if name in points and points[name].notna().any()]
     shared = [
         name for name in OFTEN_SHARED if name in content and points[name].nunique(dropna=False) == 1
@@ -120,8 +113,9 @@ def study_part(folder):
         "first": said_first(folder, summary) + unread,
         "heads": heads,
         "rows": [
-            _point(row, content, summary)
-            | {
+            {
+                "runs": _runs_of(row, summary),
+                "cells": [(*_cell(row[name], name), _range(row, name)) for name in content],
                 "number": number,
                 "words": titles[number],
                 "of": [
@@ -131,9 +125,7 @@ def study_part(folder):
             }
             for number, (_, row) in enumerate(points.iterrows())
         ],
-        "filters": {name: values for name, values in kinds.items() if len(values) > 1},
         "kinds": {name: column_words(name) for name in kinds},
-        "walls": kinds["wall"],
         "axes": axes(kinds),
         "legend": kinds,
         "shown": next(iter(walls), None),
@@ -230,12 +222,6 @@ def _runs_of(row, summary):
     """Names of the runs of a point, a list of str."""
     same = (summary["point"] == row["point"]) & (summary["solver"] == row["solver"])
     return list(map(str, summary.loc[same, "run"]))
-
-
-def _point(row, content, summary):
-    """One row of the table: names of its runs, its cells with their range."""
-    cells = [(*_cell(row[name], name), _range(row, name)) for name in content]
-    return {"runs": _runs_of(row, summary), "cells": cells}
 
 
 def _cell(value, name=""):

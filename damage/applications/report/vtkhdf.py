@@ -65,7 +65,7 @@ def _fill(root, cells):
     for name, values in {
         "Points": cells.points,
         "Connectivity": np.arange(n_points),
-        "Offsets": np.concatenate([[0], np.cumsum(np.where(cells.types == HEXAHEDRON, 8, 2))]),
+        "Offsets": np.concatenate([[0], np.cumsum(cells.joined(8, 2))]),
         "Types": cells.types,
         "NumberOfPoints": [n_points],
         "NumberOfCells": [len(cells.types)],
@@ -75,9 +75,8 @@ def _fill(root, cells):
     time_s = cells.history.time_s
     steps = _steps(root, time_s)
     samples = np.arange(len(time_s))
-    n_snapshots = len(cells.history.snapshot_time_s)
-    shapes = [*range(n_snapshots), None]  # the last: at rest
-    shape_of = np.where(cells.snapshot_of < 0, n_snapshots, cells.snapshot_of)
+    shapes = [*range(len(cells.history.snapshot_time_s)), None]  # the last: at rest
+    shape_of = cells.snapshot_of
     keep = partial(_keep, root, steps)
     keep("PointData", shapes, shape_of, lambda k: {"displacement_m": cells.displacement(k)})
     keep("CellData", shapes, shape_of, lambda k: {"rotation_rad": cells.rotation(k)})
@@ -148,7 +147,7 @@ class Cells:
     @cached_property
     def types(self):
         """VTK's code of every cell, (n_cells,)."""
-        return self._joined(HEXAHEDRON, LINE).astype(np.uint8)
+        return self.joined(HEXAHEDRON, LINE).astype(np.uint8)
 
     @cached_property
     def fixed(self):
@@ -162,21 +161,22 @@ class Cells:
         house = self.history.house
         more = {"wall": (house.body_wall, house.joint_wall)} if self.history.kind == "house" else {}
         return {
-            "part": self._joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
-            "body": self._joined(np.arange(len(bodies)), -1),
-            "joint": self._joined(-1, np.arange(len(joints))),
-            "course": self._joined(course, -1),
-            "length_m": self._joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
-            "elastic": self._joined(0, joints["elastic"].to_numpy()).astype(np.int8),
-            **{name: self._joined(*numbers) for name, numbers in more.items()},
+            "part": self.joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
+            "body": self.joined(np.arange(len(bodies)), -1),
+            "joint": self.joined(-1, np.arange(len(joints))),
+            "course": self.joined(course, -1),
+            "length_m": self.joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
+            "elastic": self.joined(0, joints["elastic"].to_numpy()).astype(np.int8),
+            **{name: self.joined(*numbers) for name, numbers in more.items()},
         }
 
     @cached_property
     def snapshot_of(self):
-        """The snapshot nearest to every sample, (n_times,), -1 where none is near: bodies are then
-        drawn at rest."""
+        """The snapshot nearest to every sample, (n_times,), their number where none is near: bodies
+        are then drawn at rest."""
+        none = len(self.history.snapshot_time_s)
         nearest = [nearest_snapshot(self.history, time_s) for time_s in self.history.time_s]
-        return np.array([-1 if snapshot is None else snapshot for snapshot in nearest])
+        return np.array([none if snapshot is None else snapshot for snapshot in nearest])
 
     def displacement(self, snapshot):
         """How far the points have moved in a snapshot, None for at rest, (n_points, 3) [m]."""
@@ -216,12 +216,12 @@ class Cells:
             )
         return {
             **{
-                name: self._joined(0.0, values).astype(np.float32)
+                name: self.joined(0.0, values).astype(np.float32)
                 for name, values in numbers.items()
             },
-            "state": self._joined(-1, joint_states(history, sample)).astype(np.int8),
-            "broken": self._joined(0, history.broken[sample]).astype(np.int8),
-            "at_shear_limit": self._joined(0, history.at_limit[sample]).astype(np.int8),
+            "state": self.joined(-1, joint_states(history, sample)).astype(np.int8),
+            "broken": self.joined(0, history.broken[sample]).astype(np.int8),
+            "at_shear_limit": self.joined(0, history.at_limit[sample]).astype(np.int8),
         }
 
     @cached_property
@@ -242,7 +242,7 @@ class Cells:
         shown_s = np.append(history.snapshot_time_s, np.nan)[self.snapshot_of]
         return pd.concat(tables, axis=1).assign(snapshot_time_s=shown_s)
 
-    def _joined(self, of_bodies, of_joints):
+    def joined(self, of_bodies, of_joints):
         """One array for all cells of values of the bodies and of the joints, arrays or numbers."""
         return np.concatenate(
             [

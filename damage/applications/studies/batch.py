@@ -132,10 +132,8 @@ class Batch:
             for run in self.runs
         }
         warn(*messages)
-        if self.part:
-            name = "records-{}-of-{}.jsonl".format(*self.part)
-        else:
-            name = NAME
+        name = "records-{}-of-{}.jsonl".format(*self.part) if self.part else NAME
+        if not self.part:
             results.write(verdict)
         with open_records(self.folder / name) as file:
             if self.part:
@@ -161,28 +159,17 @@ class Batch:
                 task.part.unlink(missing_ok=True)
             point = self.points[task.point.id]
             point.records[task.number] = record
-            more = point.next_tasks()
             if point.done:
-                self._show(point)
-            return [*more, *point.next_pictures()]
+                say(
+                    f"{point.run.id}: done\n{self.what}: {self._done} of {len(self.points)}"
+                    f" {self.unit} simulated"
+                )
+            return point.next_tasks()
 
         notes = {run.id: content for run, (_, content) in inputs.items()}
         work_on = partial(work, inputs=notes, processes=self.jobs)
-        pool = Pool(
-            jobs=self.jobs,
-            work=work_on,
-            lock=self.lock,
-            folder=self.folder,
-            watch=self._watch,
-        )
-        pool.run(
-            [
-                task
-                for point in self.points.values()
-                for task in (*point.next_tasks(), *point.next_pictures())
-            ],
-            follow,
-        )
+        pool = Pool(self.jobs, work_on, self.lock, self.folder, self._watch)
+        pool.run([task for point in self.points.values() for task in point.next_tasks()], follow)
         return pool
 
     def _end(self, pool):
@@ -263,13 +250,6 @@ class Batch:
             most += (cost + RUN) * point.run.runs_at_most(point.records) + drawing - made
         self._paces[solver].note(done)
         return self._paces[solver].left_s(least, most)
-
-    def _show(self, point):
-        """Print that a point is done, and how far the study is."""
-        say(
-            f"{point.run.id}: done\n{self.what}: {self._done} of {len(self.points)} {self.unit}"
-            " simulated"
-        )
 
     def _count(self):
         print(f"\n{self.what}: {self._done} of {len(self.points)} {self.unit} done", flush=True)

@@ -41,18 +41,8 @@ _TYPES = {
     "avg_sa_g": ("AvgSA", 1),
     "arias_m_s": ("IA", 1),
 }
-"""OpenQuake's names of columns of summary.csv, and the factor to its unit."""
-
-
-def measure_type(intensity, eigen_period_s):
-    """OpenQuake's name of an intensity that has one, and the factor to its unit: g, of PGV cm/s, of
-    the Arias intensity m/s; eigen_period_s: of the wall, for sa_eigen_period_g.
-
-    >>> measure_type("pgv_m_s", 0.2), measure_type("sa_eigen_period_g", 0.2003)
-    (('PGV', 100), ('SA(0.2003)', 1))
-    """
-    name, factor = _TYPES[intensity]
-    return name.format(eigen_period_s), factor
+"""OpenQuake's names of columns of summary.csv, with the wall's first period [s] where it is part of
+one, and the factor to its unit: g, of PGV cm/s, of the Arias intensity m/s."""
 
 
 def limit_state(fit):
@@ -90,7 +80,8 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     curves = [fit for fit in fitted(fits) if kind == "discrete" or not fit.step]
     if not curves:
         return None
-    name, factor = measure_type(curves[0].intensity, eigen_period_s)
+    name, factor = _TYPES[curves[0].intensity]
+    name = name.format(eigen_period_s)
     root = Xml.Element("nrml", xmlns=NAMESPACE)
     model = Xml.SubElement(
         root,
@@ -109,36 +100,23 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     if kind == "continuous":
         imls.set("minIML", imls.get("noDamageLimit"))
         imls.set("maxIML", _text(factor * x[-1]))
-        _continuous(function, curves, factor)
+        function.set("shape", "logncdf")
     else:
         imls.text = " ".join(map(_text, factor * x))
-        _discrete(function, curves, x)
+    for fit in curves:
+        if kind == "discrete":
+            chances = Xml.SubElement(function, "poes", ls=limit_state(fit))
+            chances.text = " ".join(map(_text, probability(fit, x)))
+            continue
+        # mean and standard deviation of the intensity itself, not of its logarithm
+        mean = factor * fit.median * np.exp(fit.dispersion**2 / 2)
+        deviation = mean * np.sqrt(np.expm1(fit.dispersion**2))
+        moments = {"mean": repr(float(mean)), "stddev": repr(float(deviation))}
+        Xml.SubElement(function, "params", ls=limit_state(fit), **moments)
     Xml.indent(root)
     with whole_or_nothing(path) as unfinished:
         Xml.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)
     return Path(path)
-
-
-def _continuous(function, curves, factor):
-    """Mean and standard deviation of the intensity itself, as OpenQuake wants them, not of its
-    logarithm."""
-    function.set("shape", "logncdf")
-    for fit in curves:
-        mean = factor * fit.median * np.exp(fit.dispersion**2 / 2)
-        Xml.SubElement(
-            function,
-            "params",
-            ls=limit_state(fit),
-            mean=repr(float(mean)),
-            stddev=repr(float(mean * np.sqrt(np.expm1(fit.dispersion**2)))),
-        )
-
-
-def _discrete(function, curves, x):
-    for fit in curves:
-        Xml.SubElement(function, "poes", ls=limit_state(fit)).text = " ".join(
-            map(_text, probability(fit, x))
-        )
 
 
 def _text(value):

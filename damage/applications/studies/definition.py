@@ -31,12 +31,12 @@ from types import MappingProxyType
 import numpy as np
 
 from damage.applications.studies.grid import expand, read_rows
-from damage.applications.studies.states import STUDY_FILE, check_choices
+from damage.applications.studies.states import STUDY_FILE, choices_in
 from damage.checks import check_path, check_whole
 from damage.errors import InputError, did_you_mean
 from damage.files import is_there, shipped_path
 from damage.motion.formats import shipped_records
-from damage.run.options import SOLVERS, file_options, names_file, settings_of, words_of
+from damage.run.options import SOLVERS, names_file, settings_of, words_of
 from damage.run.settings import SCATTER
 from damage.toml_file import read_toml
 from damage.wall.file import shipped_walls
@@ -191,17 +191,13 @@ class StudyRun:
         """Name of the run with this number, from 1."""
         return f"{self.id}_s{number}" if self.is_ensemble else self.id
 
-    def options_of(self, number, root=None):
+    def options_of(self, number, root=Path()):
         """{name: value} of the options of the run with this number; root: the repository, which
-        relative paths then start from."""
-        options = (
-            dict(self.options)
-            if root is None
-            else with_paths(dict(self.options), lambda path: str(root / path))
-        )
+        relative paths start from, where that is not the working folder."""
+        options = with_paths(dict(self.options), lambda path: str(root / path))
         return options | ({self.varied: self.offset + number} if self.is_ensemble else {})
 
-    def settings(self, root, number=1, prog="study", more=MappingProxyType({})):
+    def settings(self, root=Path(), number=1, prog="study", more=MappingProxyType({})):
         """RunSettings of the run with this number; prog: what stands before its options in their
         `command`; more: further options.  Raises InputError where the options or a record are not
         accepted."""
@@ -291,7 +287,7 @@ def study_of(table, path, solver="reference", root=None):
     find = partial(_find, path.parent, root)
     with _named(path):
         _check_keys(table, KEYS)
-    check_choices(path, table.get("states", []), table.get("intensity"))
+    choices_in(table, path)
     runs = []
     for where, entry, is_grid in _entries(table, path):
         with _named(where):
@@ -367,7 +363,7 @@ def _load_entry(table, find):
         raise InputError(
             f"solvers = {solvers!r}; expected a list of {' and '.join(SOLVERS)}; correct it"
         )
-    options = option_table(_existing_files(table.get("options", {}), find))
+    options = option_table(table.get("options", {}))
     if reserved := [name for name in options if name in RESERVED_OPTIONS]:
         raise InputError(f"--{reserved[0]} is set by the batch itself; take it out")
     wall = find(table["wall"])
@@ -425,18 +421,6 @@ def _ensemble(table, run):
     ]
 
 
-def _existing_files(options, find):
-    """The options with each list of paths replaced by its first existing file."""
-    if not isinstance(options, dict):
-        return options
-    lists = {name: options[name] for name in file_options() if isinstance(options.get(name), list)}
-    return options | {
-        name: find(*paths)
-        for name, paths in lists.items()
-        if paths and all(isinstance(path, str) for path in paths)
-    }
-
-
 def option_table(options):
     """{name: value} of the options of a run from a table, or from a list of words; lists become
     tuples.
@@ -468,17 +452,16 @@ def option_table(options):
 def _of_words(words):
     """The table of options that a list of words stands for."""
     table = {}
-    name = None
     for word in words:
         if isinstance(word, str) and word.startswith("--"):
             name, _, value = word[2:].partition("=")
-            table[name] = [*table.get(name, ()), *([value] if value else ())]
-        elif name is None:
+            table[name] = [*table.get(name, ()), *filter(None, [value])]
+        elif table:
+            table[name].append(word)
+        else:
             raise InputError(
                 f"options begin with {word!r}; expected an option like --rest; correct it"
             )
-        else:
-            table[name].append(word)
     return {
         name: values[0] if len(values) == 1 else values or True for name, values in table.items()
     }
@@ -493,9 +476,10 @@ def _candidates(path, folder, root):
     )
 
 
-def _find(folder, root, *paths):
-    """The path of the first of these files that is beside the study, in the repository or among
-    what ships: relative within the repository, else absolute."""
+def _find(folder, root, paths):
+    """The path of a file, or of the first of several (a tuple), that is beside the study, in the
+    repository or among what ships: relative within the repository, else absolute."""
+    paths = paths if isinstance(paths, tuple) else (paths,)
     for path in paths:
         check_path(path)
         for candidate in _candidates(path, folder, root):
@@ -506,7 +490,7 @@ def _find(folder, root, *paths):
     raise InputError(
         f"no file {' or '.join(paths)}; expected one beside the study or in the"
         " repository, or the name of a wall or record that ships"
-        f"{did_you_mean(Path(paths[0]).stem, known)}"
+        f"{did_you_mean(Path(*paths[:1]).stem, known)}"
     )
 
 
@@ -536,7 +520,6 @@ def run_name(wall, options):
     >>> run_name("walls/solid.py", {"record": "data/BGAR.csv", "scale": 2})
     'solid_record-BGAR_scale-2'
     """
-    words = words_of(options)
     shown = words_of(
         {
             name: Path(value).stem if names_file(name, value) else value
@@ -552,5 +535,5 @@ def run_name(wall, options):
     name = "_".join(re.sub(r"[^A-Za-z0-9._-]+", "-", part) for part in parts)
     if len(name) <= LONGEST_ID - 12:
         return name
-    digest = hashlib.sha256("\0".join((wall, *words)).encode()).hexdigest()[:8]
+    digest = hashlib.sha256("\0".join((wall, *words_of(options))).encode()).hexdigest()[:8]
     return f"{name[: LONGEST_ID - 24]}_{digest}"

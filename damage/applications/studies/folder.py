@@ -199,29 +199,22 @@ def last_words(log, run):
     return f" ({lines[-1][:200]})" if lines else ""
 
 
-def python_path():
-    """PYTHONPATH for what a batch starts, in any folder: this package, then what the user had, as
-    obspy's folder."""
-    package = str(Path(__file__).resolve().parents[3])
-    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-    return os.pathsep.join(
-        dict.fromkeys([package, *(os.path.abspath(folder) for folder in given if folder)])
-    )
-
-
 def environment(folder=None):
-    """Environment of what a batch starts: this one's, with `python_path`, and without modules of
-    the working folder, which `python -m` would import before others: a folder that was sent may
-    hold a numpy.py.  What matplotlib and YADE's IPython keep goes into the study's folder, if
-    given."""
+    """Environment of what a batch starts in any folder: this one's, with this package and then what
+    the user had, as obspy's folder, on PYTHONPATH, and without modules of the working folder, which
+    `python -m` would import before others: a folder that was sent may hold a numpy.py.  What
+    matplotlib and YADE's IPython keep goes into the study's folder, if given."""
     places = (
         {"XDG_CACHE_HOME": "cache", "MPLCONFIGDIR": "matplotlib", "IPYTHONDIR": "ipython"}
         if folder
         else {}
     )
+    package = str(Path(__file__).resolve().parents[3])
+    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    paths = [package, *(os.path.abspath(path) for path in given if path)]
     return {
         **os.environ,
-        "PYTHONPATH": python_path(),
+        "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)),
         "PYTHONSAFEPATH": "1",
         "PYTHONUNBUFFERED": "1",
         **{name: str(folder / ".cache" / place) for name, place in places.items()},

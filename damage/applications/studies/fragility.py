@@ -28,6 +28,7 @@ import pandas as pd
 import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
+from damage.applications.studies.folder import KEPT
 from damage.applications.studies.new_record import CONFIDENCE, new_record
 from damage.applications.studies.ordered import crossings
 from damage.applications.studies.plan import unfinished
@@ -35,16 +36,18 @@ from damage.applications.studies.read import check_names, read_table
 from damage.applications.studies.states import (
     LEVELS,
     STATES,
+    STUDY_FILE,
     State,
     check_intensity,
     check_states,
+    choices_in,
     in_unit,
     leading,
     parse_state,
-    study_choices,
     unit_of,
 )
 from damage.errors import InputError
+from damage.toml_file import read_toml
 from damage.wall.model_options import USUAL_MODEL
 
 FEW_RECORDS = 10
@@ -59,9 +62,8 @@ _ALIKE = "solver", "settlement", "distortion", "shocks", "alpha_1_s", "beta_s", 
 """Columns that are expected to be equal in all runs of a curve."""
 SAME_INTENSITY = 0.01
 """Two that differ by a smaller share [-] count as one."""
-REPLICATES = 500
 SEED = 1
-"""Of the bootstrap samples."""
+"""Seed of the bootstrap samples."""
 _PERCENTILES = 50 * (1 - CONFIDENCE), 50 * (1 + CONFIDENCE)
 DISPERSIONS = 1e-3, 3.0
 """Range of a fitted dispersion [-]; at its ends the runs determine none."""
@@ -367,7 +369,7 @@ def exceeding(runs, measure, level):
     return (runs[measure] > level) | runs["collapsed_at_s"].notna()
 
 
-def fragility(runs, measure, level, intensity, replicates=REPLICATES, name=""):
+def fragility(runs, measure, level, intensity, replicates, name=""):
     """The Fragility of runs (rows of a study's summary.csv); a wall that collapsed exceeds every
     level.
 
@@ -375,7 +377,7 @@ def fragility(runs, measure, level, intensity, replicates=REPLICATES, name=""):
     the damage state.
     """
     exceeds = exceeding(runs, measure, level)
-    records = runs["record"].fillna("") if "record" in runs else pd.Series("", runs.index)
+    records = runs["record"].fillna("")
     (wall, walls), (record, known), (place, values) = (
         pd.factorize(column, sort=True)
         for column in (runs["strength_seed"], records, runs[intensity].astype(float))
@@ -475,13 +477,12 @@ def choices_of(folder, intensity=None, states=()):
 
     intensity: a column, None where none is asked for; states: texts as of `parse_state`.
     """
-    chosen = study_choices(folder)
+    path = Path(folder) / KEPT
+    table = read_toml(path, *STUDY_FILE) if path.is_file() else {}
+    chosen, column = choices_in(table, path)
     runs = load_runs(folder)
-    return (
-        runs,
-        intensity or chosen["intensity"] or leading(runs),
-        tuple(map(parse_state, states or chosen["states"])) or STATES,
-    )
+    asked = tuple(map(parse_state, states or ()))
+    return runs, intensity or column or leading(runs), asked or chosen or STATES
 
 
 def mixed(runs):
@@ -496,7 +497,7 @@ def mixed(runs):
             yield f"wall {wall}: one curve through runs that differ in {', '.join(names)}"
 
 
-def fit_all(runs, intensity, replicates=REPLICATES, states=STATES):
+def fit_all(runs, intensity, replicates, states=STATES):
     """{wall: [Fragility of each State]} of runs; intensity: a column of theirs."""
     check_intensity(runs, intensity)
     check_states(runs, states)

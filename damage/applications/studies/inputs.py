@@ -80,15 +80,11 @@ def inputs_of(run, root, wall=None):
     )
     as_read = as_read or in_units(load_wall_or_house(root / run.wall), settings.units)
     as_read.check_run(settings, run.solver)
-    return Inputs(as_read, settings, continued, _drawn_from(run, root))
-
-
-def _drawn_from(run, root):
-    """Digest of what the motions of an ensemble of lives are drawn from; None of other runs."""
-    if run.varied != "life":
-        return None
-    options = run.options_of(1, root)
-    return next(source.digest(options) for source in SOURCES if source.digest)
+    drawn_from = None
+    if run.varied == "life":
+        options = run.options_of(1, root)
+        drawn_from = next(source.digest(options) for source in SOURCES if source.digest)
+    return Inputs(as_read, settings, continued, drawn_from)
 
 
 def changes(task, inputs, wall=None):

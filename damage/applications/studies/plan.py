@@ -52,14 +52,15 @@ def solver_lines(study, folder):
 def unfinished(folder):
     """A line on the study of a folder, how many of its points are there and how to go on; None
     where all are, or where no file of it can be read."""
-    file, options = way_on(folder) or (folder / KEPT, ["--solver", "both"])
+    way = way_on(folder)
+    file, options = way or (folder / KEPT, ["--solver", "both"])
     try:
         study = load_study(file, options[options.index("--solver") + 1], ROOT)
     except (InputError, OSError):
         return None
     results = Results(folder)
     present = [run for run in study.runs if results.records.names_of(run)]
-    if way_on(folder) is None:  # which solver was meant
+    if way is None:  # which solver was meant
         solvers = {run.solver for run in present}
         study = replace(study, runs=tuple(run for run in study.runs if run.solver in solvers))
     if len(present) == len(study.runs):

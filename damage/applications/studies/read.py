@@ -68,18 +68,12 @@ def read_table(path, needed=()):
             f"{path} cannot be read as a table ({str(error).splitlines()[0]}); expected a CSV file"
             " of a study, run it again with ./run_all.sh"
         ) from error
-    check_there(table, path, needed)
-    return table
-
-
-def check_there(table, path, needed):
-    """Raise InputError where a table lacks one of these columns; path: of it."""
-    lacking = [name for name in needed if name not in table]
-    if lacking:
+    if lacking := [name for name in needed if name not in table]:
         raise InputError(
             f"{path} has no column {lacking[0]}; expected the tables of a study of this version,"
             " run it again with ./run_all.sh, or make them anew: python3 -m damage tables summary"
         )
+    return table
 
 
 def check_names(table, path):

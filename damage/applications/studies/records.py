@@ -164,8 +164,10 @@ def _believed(line):
 def _wrong_number(record):
     """What number of a record no run can have, in words; None where there is none.  NaN is an empty
     cell."""
-    tables = ([part["row"], *part[table]] for part in parts_of(record) for table in TABLES)
-    for row in (row for rows in tables for row in rows):
+    rows = (
+        row for part in parts_of(record) for row in (part["row"], *part["cycles"], *part["shocks"])
+    )
+    for row in rows:
         for name, value in row.items():
             least, most = bounds_of(name)
             if (

@@ -7,6 +7,8 @@ together; whether files are there and values make sense is for `load_study` to s
 command calls.
 """
 
+from itertools import combinations
+
 from damage.applications.studies import definition
 from damage.arguments import Rows, file_path
 from damage.run.options import options_of_a_run
@@ -88,8 +90,7 @@ def _entry(grid):
         "dependencies": {"scatter": ["members"]},
         "not": {
             "anyOf": [
-                {"required": pair}
-                for pair in (["members", "samples"], ["members", "lives"], ["samples", "lives"])
+                {"required": pair} for pair in combinations(("members", "samples", "lives"), 2)
             ]
         },
     }

@@ -42,15 +42,10 @@ def members_of(history):
     except InputError:
         return None
     summary = summary_row(history)
-    same = len(table) > 0 and all(
-        np.isclose(
-            table[name].iloc[0],
-            np.nan if summary[name] is None else summary[name],
-            rtol=1e-8,
-            atol=0,
-            equal_nan=True,
-        )
-        for name in KEY
+    key = list(KEY)
+    expected = np.array([summary[name] for name in key], float)
+    same = len(table) > 0 and np.allclose(
+        table[key].iloc[0].astype(float), expected, rtol=1e-8, atol=0, equal_nan=True
     )
     return table if same else None
 
@@ -67,6 +62,12 @@ def spread(table):
         "collapsed": int(table["collapsed_at_s"].notna().sum()),
         "repeated": repeated(table),
     } | values.to_dict()
+
+
+def spread_of(history):
+    """The `spread` of the members of a History; None where there are none."""
+    table = members_of(history)
+    return None if table is None else spread(table)
 
 
 def describe_spread(spread):

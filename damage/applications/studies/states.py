@@ -8,7 +8,6 @@ is a column with a number above zero in every run.
 import math
 import re
 from difflib import get_close_matches
-from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
@@ -17,7 +16,6 @@ from damage.errors import InputError
 from damage.history.schema import each
 from damage.measure.columns import MADE_BY, PARAMETERS, RUN
 from damage.measure.summary import MEASURES
-from damage.toml_file import read_toml
 
 LEVELS = {"max_DI": (0.02, 0.05, 0.1), "max_crack_width_mm": (0.1, 1.0), "max_psi": (1.0, 2.0)}
 """Default levels by measure, a column of summary.csv: index [-], crack width [mm], Korswagen's Psi
@@ -90,20 +88,11 @@ def parse_state(text):
     return State(measure, number, name)
 
 
-def study_choices(folder):
-    """{"states": list of str, "intensity": str or None} of the copy of the study file in a study's
-    folder."""
-    path = Path(folder) / "study.toml"
-    table = read_toml(path, *STUDY_FILE) if path.is_file() else {}
+def choices_in(table, path):
+    """(tuple of State, intensity or None) of keys `states` and `intensity` of the table of a study
+    file at a path; InputError where they are no text, or no condition."""
     states = table.get("states", [])
     intensity = table.get("intensity")
-    check_choices(path, states, intensity)
-    return {"states": states, "intensity": intensity}
-
-
-def check_choices(path, states, intensity):
-    """Raise InputError for keys `states` and `intensity` of a study file that are no text;
-    conditions are parsed."""
     if not isinstance(states, list) or not all(isinstance(state, str) for state in states):
         raise InputError(
             f'{path}: states = {states!r}; expected a list of texts, as ["moderate: max_psi > 2"]; '
@@ -114,8 +103,7 @@ def check_choices(path, states, intensity):
             f"{path}: intensity = {intensity!r}; expected the name of a column of summary.csv, as "
             '"pgv_m_s"; correct it'
         )
-    for state in states:
-        parse_state(state)
+    return tuple(map(parse_state, states)), intensity
 
 
 def check_states(runs, states):

@@ -145,31 +145,27 @@ class Point:
         )
 
     @property
+    def _needed(self):
+        """Numbers of the runs that the results so far ask for, a set."""
+        return set(range(1, self.run.runs_needed(self.records) + 1))
+
+    @property
     def done(self):
         """Whether all of its runs are done."""
-        return all(
-            number in self.records for number in range(1, self.run.runs_needed(self.records) + 1)
-        )
-
-    def next_tasks(self):
-        """The tasks that the results so far ask for and that were not handed out yet."""
-        numbers = (
-            set(range(1, self.run.runs_needed(self.records) + 1))
-            - self.records.keys()
-            - self._asked
-        )
-        self._asked |= numbers
-        return [self._task(number) for number in sorted(numbers)]
+        return self._needed <= self.records.keys()
 
     @property
     def is_drawn(self):
         """Whether the pictures of its first run are there."""
         return self._task(1).pictures.is_dir()
 
-    def next_pictures(self):
-        """The task of its pictures, in a list, where the first run is done and they are not there;
-        once."""
-        if not self.pictures or 1 not in self.records or self._drawing or self.is_drawn:
-            return []
-        self._drawing = True
-        return [replace(self._task(1), draws=True)]
+    def next_tasks(self):
+        """The tasks that the results so far ask for and that were not handed out yet: runs, and the
+        pictures of the first once it is done."""
+        numbers = self._needed - self.records.keys() - self._asked
+        self._asked |= numbers
+        tasks = [self._task(number) for number in sorted(numbers)]
+        if self.pictures and 1 in self.records and not (self._drawing or self.is_drawn):
+            self._drawing = True
+            tasks.append(replace(self._task(1), draws=True))
+        return tasks

@@ -54,7 +54,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
         if task is None:
             return
         if task.steps:
-            status = _do_runs(
+            interrupted = _do_runs(
                 task, connection, waiting, settled, inputs=inputs, processes=processes
             )
         else:
@@ -62,7 +62,8 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
             print_into(task.log)
             status, record = draw(task) if task.draws else run_yade(task, connection, lock, inputs)
             connection.send((task, status, record))
-        if status == EXIT_INTERRUPTED:  # nothing more begins
+            interrupted = status == EXIT_INTERRUPTED
+        if interrupted:  # nothing more begins
             return
 
 
@@ -79,15 +80,15 @@ def print_into(path):
 
 def _do_runs(first, connection, waiting, settled, inputs, processes):
     """Simulate runs that are not there, the first one and those that come meanwhile; sends each as
-    it ends.  Returns EXIT_INTERRUPTED where they were interrupted."""
+    it ends.  Returns whether they were interrupted."""
     print_into(first.log)
     waiting.appendleft(first)
     group = Group(connection, waiting, inputs)
-    interrupted = EXIT_OK
+    interrupted = False
     for name, status in run_references(
         group.lines(), group.histories, settled, group.watch, processes
     ):
-        interrupted = EXIT_INTERRUPTED if EXIT_INTERRUPTED in (status, interrupted) else EXIT_OK
+        interrupted |= status == EXIT_INTERRUPTED
         group.end(name, status)
         return_freed()
     return interrupted
@@ -181,4 +182,4 @@ class Begun:
 
 def _settings(task, prog):
     """RunSettings of a task, whose paths start from the working folder."""
-    return task.point.settings(None, task.number, prog, task.place)
+    return task.point.settings(number=task.number, prog=prog, more=task.place)

@@ -125,9 +125,9 @@ def test_a_table_of_another_run_is_not_shown(tiny, tmp_path):
 def test_members_have_a_scatter_and_seeds(tiny, words, scatter, seeds):
     words = [*words, "--members", "2", "--settle", "hogging", "--quiet"]
     point = members._point(tiny, parse_run(words, "p", "reference"), words)
-    assert [point.settings(None, number).seed for number in (1, 2)] == seeds
-    assert point.settings(None).scatter == scatter and point.settings(None).members == 1
-    assert point.settings(None).settlement.profile == "hogging"
+    assert [point.settings(number=number).seed for number in (1, 2)] == seeds
+    assert point.settings().scatter == scatter and point.settings().members == 1
+    assert point.settings().settlement.profile == "hogging"
 
 
 def test_a_solver_that_runs_one_wall_refuses_members_and_names_the_other(tmp_path, capsys):
