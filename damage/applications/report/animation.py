@@ -136,9 +136,15 @@ def _shoot(history, snapshots, magnify, writer, path):
     )
     mark = below.axvline(times[samples[0]], color=style.VERMILLION, lw=1)
     figure.set_size_inches(style.COLUMN_WIDTH, height)
-    style.add_title(figure, history, _pace(history, snapshots, magnify))
+    caption = f"displacements × {magnify:g}"
+    if len(snapshots) > 1:
+        lasts_s = np.ptp(history.snapshot_time_s[snapshots])
+        caption += f", slowed down {len(snapshots) / FRAMES_PER_S / lasts_s:.2g} times"
+    style.add_title(figure, history, caption)
     style.legend_below(figure, handles, columns=3)
-    _fix(figure)
+    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # from now on only what is in its axes moves
     with writer.saving(figure, path, DOTS_PER_INCH):
         for sample, snapshot in zip(samples, snapshots):
             time_s = show(sample, snapshot)
@@ -175,22 +181,6 @@ def _stage(history, snapshots, above, below, magnify):
 
     height = min(1.3 * (style.COLUMN_WIDTH - labels) * ratio, 5.0) + 2.5 * labels
     return magnify, height, joint_handles(gravest), show
-
-
-def _pace(history, snapshots, magnify):
-    """Words on the magnification, and on how much slower than the run the film is."""
-    times = history.snapshot_time_s[snapshots]
-    caption = f"displacements × {magnify:g}"
-    if len(times) > 1:
-        caption += f", slowed down {len(times) / FRAMES_PER_S / (times[-1] - times[0]):.2g} times"
-    return caption
-
-
-def _fix(figure):
-    """Lay a figure out, once: from now on only what is in its axes moves."""
-    for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
-        figure.draw_without_rendering()
-    figure.set_layout_engine("none")
 
 
 def _house_stage(history, snapshots, above, below, magnify):

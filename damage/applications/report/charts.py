@@ -38,12 +38,14 @@ COMPONENT_STYLES = {
     "DI_open": ("DI open", VERMILLION, "dash"),
     "DI_slip": ("DI slip", BLUE, "dashdot"),
 }
-CRACK_COLOURS = JOINT_COLOURS | {"opened": VERMILLION}
-"""{state: colour} as in the pictures, except for opened joints: thin orange lines are too faint on
-screens."""
-CRACK_DASHES = {"opened": "solid", "slipped": "2px,2px", "both": "6px,2px"}
-"""Lines of cracked joints, which differ on paper, too: what slipped is dotted, what did both is
-dashed."""
+CRACKS = {
+    "slipped": ("slipped", JOINT_COLOURS["slipped"], "2px,2px"),
+    "opened": ("opened", VERMILLION, "solid"),
+    "both": ("opened and slipped", JOINT_COLOURS["both"], "6px,2px"),
+}
+"""{state: name, colour, dash} of cracked joints, the gravest last.  Colours are those of the
+pictures, except for opened joints: thin orange lines are too faint on screens.  Lines differ on
+paper, too: what slipped is dotted, what did both is dashed."""
 ELASTIC = {
     "name": "elastic, cannot fail",
     "colour": JOINT_COLOURS["elastic"],
@@ -118,17 +120,16 @@ def states_legend(runs=()):
     ones, the gravest last, "bodies": [{"fill", "edge"}] by kind, "elastic", "energies", "widths":
     [{"from_mm", "pixels"}], how wide a line is by the class of its crack's width, the widest of
     them no more than half of the lowest brick of the runs}."""
-    labels = {"slipped": "slipped", "opened": "opened", "both": "opened and slipped"}
     states = [
-        {
-            "code": JOINT_STATES.index(name),
-            "name": label,
-            "colour": CRACK_COLOURS[name],
-            "dash": CRACK_DASHES[name],
-        }
-        for name, label in labels.items()
+        {"code": JOINT_STATES.index(state), "name": name, "colour": colour, "dash": dash}
+        for state, (name, colour, dash) in CRACKS.items()
     ]
-    widest_pt = min([_widest_pt(run["history"]) for run in runs], default=WIDEST_PT)
+    widest_pt = WIDEST_PT
+    for history in (run["history"] for run in runs):
+        brick_m = history.bodies["height_m"][history.bodies["course"] >= 0].min()
+        span_m = history.attributes["length_m"], history.attributes["height_m"]
+        drawing_pt = [pixels / PIXELS for pixels in DRAWING_PX]
+        widest_pt = min(widest_pt, widest_line(brick_m, span_m, drawing_pt))
     uppers = (*LEGEND_WIDTHS_MM[1:], LEGEND_WIDTHS_MM[-1])
     bodies = [
         {"fill": to_hex(colour), "edge": to_hex(colour if kind == "lintels" else "0.69")}
@@ -153,10 +154,3 @@ def states_legend(runs=()):
             for low, high in zip(LEGEND_WIDTHS_MM, uppers)
         ],
     }
-
-
-def _widest_pt(history):
-    """Width of the line of the widest cracks of a History's wall [pt], of PIXELS each."""
-    brick_m = history.bodies["height_m"][history.bodies["course"] >= 0].min()
-    span_m = history.attributes["length_m"], history.attributes["height_m"]
-    return widest_line(brick_m, span_m, [pixels / PIXELS for pixels in DRAWING_PX])

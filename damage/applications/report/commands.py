@@ -19,19 +19,8 @@ def _demo(asked):
     from damage.reference.session import run_reference
 
     history = asked.out / "symmetric.h5"
-    status = run_reference(
-        [
-            "symmetric",
-            "--harmonic",
-            "0.2",
-            "0.05",
-            "--rest",
-            "1",
-            "--out",
-            str(history),
-            *["--overwrite"] * asked.overwrite,
-        ]
-    )
+    words = ["symmetric", "--harmonic", "0.2", "0.05", "--rest", "1", "--out"]
+    status = run_reference([*words, str(history), *["--overwrite"] * asked.overwrite])
     if status:
         return status
     print(f"report: {write_report([history])}")

@@ -7,8 +7,6 @@ import io
 import numpy as np
 from PIL import Image
 
-_ALIGNED = 8  # bytes: where an array may begin, so that a browser can look at it in place
-
 
 def pack_arrays(arrays):
     """{"packed": all arrays of {name: array} one after the other, "arrays": {name: [type, first
@@ -22,7 +20,7 @@ def pack_arrays(arrays):
     data = bytearray()
     places = {}
     for name, array in arrays.items():
-        data += bytes(-len(data) % _ALIGNED)
+        data += bytes(-len(data) % 8)  # so that a browser can look at an array in place
         values = np.asarray(array)
         places[name] = [values.dtype.str[1:], len(data), values.size]
         data += values.astype(values.dtype.newbyteorder("<")).tobytes()

@@ -106,7 +106,10 @@ def page(files, folders, heading=Heading()):
         )
     studies = [study for folder in folders for study in studies_below(folder)]
     histories = [read_history(path) for path in files]
-    runs = _runs(histories, heading.language)
+    walls = [part for history in histories for part in history.parts]
+    if len(walls) > len(LETTERS):  # of a large house no wall by itself
+        walls = [history for history in histories if history.kind == "wall"]
+    runs = [run_part(*part, heading.language) for part in zip(walls, LETTERS)]
     houses = _houses(histories, runs)
     parts = [study_part(folder) for folder in studies]
     title = _title(houses, runs, parts)
@@ -142,14 +145,6 @@ def page(files, folders, heading=Heading()):
             made_by=f"masonry-damage {VERSION}, commit {commit()}",
         )
     )
-
-
-def _runs(histories, language):
-    """The parts of runs, of a house those of its walls."""
-    walls = [part for history in histories for part in history.parts]
-    if len(walls) > len(LETTERS):  # of a large house no wall by itself
-        walls = [history for history in histories if history.kind == "wall"]
-    return [run_part(*part, language) for part in zip(walls, LETTERS)]
 
 
 def _houses(histories, runs):

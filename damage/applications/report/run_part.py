@@ -32,7 +32,6 @@ from damage.measure.tables import summary_row
 from damage.units import GRAVITY
 from damage.wall.geometry import cuts_of_lintels, kinds_of_bodies, tributary_ends
 
-MICROMETRE = 1e-6
 SERIES = (*COMPONENTS, "drift_ratio", "base_shear_kn", "base_x_g", "base_z_g", *ENERGIES)
 """Lines over time that the file holds of each run."""
 
@@ -142,9 +141,8 @@ def _key_numbers(history, summary):
             more = [result.remark.format(**summary, whole="")]
             if column in members:
                 more.append(f"{members['count']} members: {members_in_words(members, column)}")
-            number = result.factor * value
-            shown = result.shown(value)
-            cards.append((result.label, number, shown, result.unit, "; ".join(filter(None, more))))
+            shown = result.factor * value, result.shown(value), result.unit
+            cards.append((result.label, *shown, "; ".join(filter(None, more))))
     return cards
 
 
@@ -240,11 +238,7 @@ def _moving_wall(history, chosen):
         "snapshot": np.array([snapshot is not None for snapshot in near], "u1"),
         "state": states[:, ever].astype("u1").ravel(),
         "width_um": (
-            np.nan_to_num(width / MICROMETRE)
-            .clip(0, np.iinfo("u2").max)
-            .round()
-            .astype("u2")
-            .ravel()
+            np.nan_to_num(width / 1e-6).clip(0, np.iinfo("u2").max).round().astype("u2").ravel()
         ),
     }
     largest = motion[int(np.argmax(np.abs(motion[..., :2]).max(axis=(1, 2))))]

@@ -83,7 +83,9 @@ def studies_below(folder):
 def study_part(folder):
     """Everything about the study in a folder, a dictionary for the page."""
     tables = folder / "tables"
-    summary = read_table(tables / "summary.csv", ("run", "point", "solver", "status"))
+    summary = read_table(
+        tables / "summary.csv", ("run", "point", "solver", "status", "collapsed_at_s")
+    )
     points = read_table(tables / "points.csv", NEEDED)
     content = [name for name in COLUMNS if name in points and points[name].notna().any()]
     shared = [
@@ -160,10 +162,10 @@ def _motion(row):
     """Words for a point's motion, and the factor on it."""
     scale = row.get("scale")
     amplitude = row.get("amplitude_g")
-    cycles = "" if pd.isna(row.get("cycles", np.nan)) else f", {row['cycles']:g} cycles"
+    cycles = "" if pd.isna(row.get("cycles")) else f", {row['cycles']:g} cycles"
     if isinstance(row.get("record"), str):
         return record_label(row["record"]), "" if pd.isna(scale) else f" × {scale:g}"
-    if not pd.isna(amplitude) and amplitude is not None:
+    if not pd.isna(amplitude):
         return f"harmonic, {row['motion_period_s']:g} s{cycles}", f" of {amplitude:g} g"
     motion = row.get("motion")
     text = motion.replace("_", " ") if isinstance(motion, str) else "several motions"
@@ -205,7 +207,7 @@ def said_first(folder, summary):
         lines.append(
             f"did not come to their end: {', '.join(summary.loc[~ended, 'run'].astype(str))}"
         )
-    fell = summary["collapsed_at_s"].notna() if "collapsed_at_s" in summary else ended & False
+    fell = summary["collapsed_at_s"].notna()
     if fell.any():
         lines.append(
             f"{int(fell.sum())} of {len(summary)} runs collapsed: their maxima are those until then"
@@ -237,9 +239,9 @@ def _cell(value, name=""):
 
 def _range(row, name):
     """Words "least to most" over the members, "" where they are one or agree."""
-    low = row.get(f"{name}_min")
-    high = row.get(f"{name}_max")
-    return "" if low is None or high is None or not low < high else f"{low:.3g} to {high:.3g}"
+    low = row.get(f"{name}_min", np.nan)
+    high = row.get(f"{name}_max", np.nan)
+    return f"{low:.3g} to {high:.3g}" if low < high else ""
 
 
 def _fragility(folder, summary):

@@ -158,17 +158,18 @@ class Cells:
         joints = self.history.joints
         course = bodies["course"].to_numpy()
         kinds = joints["kind"].map({"bed": 2, "head": 3, "brick": 4})
-        house = self.history.house
-        more = {"wall": (house.body_wall, house.joint_wall)} if self.history.kind == "house" else {}
-        return {
+        fixed = {
             "part": self.joined(np.where(course < 0, 1, 0), kinds.to_numpy()).astype(np.int8),
             "body": self.joined(np.arange(len(bodies)), -1),
             "joint": self.joined(-1, np.arange(len(joints))),
             "course": self.joined(course, -1),
             "length_m": self.joined(bodies["length_m"].to_numpy(), joints["length_m"].to_numpy()),
             "elastic": self.joined(0, joints["elastic"].to_numpy()).astype(np.int8),
-            **{name: self.joined(*numbers) for name, numbers in more.items()},
         }
+        if self.history.kind == "house":
+            house = self.history.house
+            fixed["wall"] = self.joined(house.body_wall, house.joint_wall)
+        return fixed
 
     @cached_property
     def snapshot_of(self):
@@ -201,12 +202,14 @@ class Cells:
         `damage.history.moments.JOINT_STATES`, in bodies -1; broken;
         at_shear_limit; joint_normal_stress_pa, joint_shear_stress_pa of a run with --stresses."""
         history = self.history
+        opening_m = history.opening_m[sample]
+        offset_m = history.offset_m[sample]
         numbers = {
-            "opening_m": history.opening_m[sample],
+            "opening_m": opening_m,
             "accumulated_slip_m": history.slip_m[sample],
-            "offset_m": history.offset_m[sample],
+            "offset_m": offset_m,
+            "crack_width_m": np.hypot(opening_m, offset_m),
         }
-        numbers["crack_width_m"] = np.hypot(numbers["opening_m"], numbers["offset_m"])
         if history.joint_stress_pa is not None:
             numbers |= dict(
                 zip(

@@ -8,8 +8,6 @@ import time
 from contextlib import chdir
 from functools import partial
 
-import pandas as pd
-
 from damage.applications.studies.cost import DRAWING, RUN, TABLES, cost_of
 from damage.applications.studies.definition import CONCLUSION
 from damage.applications.studies.folder import (
@@ -83,20 +81,6 @@ def run(study, folder, jobs, keep="all", *, remake=False, part=None, lock=None):
         os.close(lock)
 
 
-def _say_changed(changed):
-    """Say in a line which runs were not made as their inputs changed; changed: as of Pool."""
-    points = {
-        task.point.id: f"{task.point.id} ({some_of(differences, 3)})"
-        for task, differences in changed
-    }
-    print(
-        f"error: {len(changed)} runs were not made, as inputs changed since the study began:"
-        f" {some_of(list(points.values()), 3)}; restore these and give the same command, or give"
-        " it with the new ones: it makes all runs of these points again",
-        file=sys.stderr,
-    )
-
-
 WATCH_S = 10.0
 """Between two lines on how far runs are [s]."""
 
@@ -112,7 +96,7 @@ class Batch:
         self.keep = keep
         self.part = part
         self.lock = lock
-        self.unit = "points" if any(run.is_ensemble for run in study.runs) else "runs"
+        self.unit = "points" if any(run.varied for run in study.runs) else "runs"
         self.what = f"study {study.name}{' slice {}/{}'.format(*part) if part else ''}"
 
     def run(self, remake):
@@ -147,7 +131,7 @@ class Batch:
         file: open file of records; inputs: {StudyRun: (key of its inputs, these as JSON)}.
         """
         self._last_report = time.monotonic()
-        self._paces = {solver: Pace() for solver in sorted({run.solver for run in self.runs})}
+        self._paces = {run.solver: Pace() for run in self.runs}
 
         def follow(task, record):
             """Write the record of a run; returns the tasks that follow."""
@@ -198,20 +182,9 @@ class Batch:
             )
             return 1
         status = 0 if self.part else self._sum_up()
-        status = self._report(pool.failed) or status
-        if pool.changed:
-            _say_changed(pool.changed)
-        return status or int(bool(pool.changed))
-
-    def _say_next(self, tables):
-        """Print the commands that follow a study with tables."""
-        where = shlex.quote(str(self.folder))
-        print(f"next, one HTML file:\n  python3 -m damage report {where}")
-        if read_table(tables / "summary.csv")["strength_cov"].astype(float).gt(0).any():
-            print(
-                f"and its fragility curves:\n  python3 -m damage fragility {where} --out"
-                f" {where}/fragility"
-            )
+        self._report()
+        self._name_failed(pool)
+        return 1 if pool.failed or pool.changed else status
 
     @property
     def _done(self):
@@ -271,32 +244,48 @@ class Batch:
             check=False,
         ).returncode
 
-    def _report(self, failed):
-        """Print the summary table, where things are and what failed; returns 1 where something did,
-        else 0."""
+    def _report(self):
+        """Print the summary table, of ensembles that of their points, where things are, and the
+        commands that follow."""
         self._count()
         tables = self.folder / "tables"
-        if not self.part and (tables / "summary.csv").is_file():
-            print(describe_table(_shown_table(tables, self.unit)))
-            print(f"tables:   {tables}")
-            if self.study.pictures == "all":
-                print(f"pictures: {self.folder / 'pictures'}")
-            self._say_next(tables)
+        if self.part or not (tables / "summary.csv").is_file():
+            return
+        summary = shown = read_table(tables / "summary.csv")
+        if self.unit == "points":
+            # in one block: a column added to many warns
+            points = read_table(tables / "points.csv").copy()
+            shown = points.assign(run=points["point"] + "_" + points["solver"])
+        print(describe_table(shown))
+        print(f"tables:   {tables}")
+        if self.study.pictures == "all":
+            print(f"pictures: {self.folder / 'pictures'}")
+        where = shlex.quote(str(self.folder))
+        print(f"next, one HTML file:\n  python3 -m damage report {where}")
+        if summary["strength_cov"].astype(float).gt(0).any():
+            print(
+                f"and its fragility curves:\n  python3 -m damage fragility {where} --out"
+                f" {where}/fragility"
+            )
+
+    @staticmethod
+    def _name_failed(pool):
+        """Say which runs failed, and in a line which were not made as their inputs changed."""
         sys.stdout.flush()
         named = {}
-        for task in failed:
+        for task in pool.failed:
             what = f"pictures of {task.name}" if task.draws else task.point.id
-            named.setdefault(what, task)
-        for what, task in named.items():
+            named.setdefault(what, f"{task.log}{last_words(task.log, task.name)}")
+        for what, where in named.items():
+            print(f"failed: {what}; see {where}", file=sys.stderr)
+        if pool.changed:
+            points = {
+                task.point.id: f"{task.point.id} ({some_of(differences, 3)})"
+                for task, differences in pool.changed
+            }
             print(
-                f"failed: {what}; see {task.log}{last_words(task.log, task.name)}", file=sys.stderr
+                f"error: {len(pool.changed)} runs were not made, as inputs changed since the study"
+                f" began: {some_of(list(points.values()), 3)}; restore these and give the same"
+                " command, or give it with the new ones: it makes all runs of these points again",
+                file=sys.stderr,
             )
-        return 1 if failed else 0
-
-
-def _shown_table(tables, unit):
-    """The summary, or of ensembles their points, named by point and solver."""
-    if unit == "runs":
-        return pd.read_csv(tables / "summary.csv")
-    points = pd.read_csv(tables / "points.csv").copy()  # in one block: a column added to many warns
-    return points.assign(run=points["point"] + "_" + points["solver"])

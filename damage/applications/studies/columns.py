@@ -1,10 +1,16 @@
 """Columns of the tables of studies and of fragility, for the data dictionary."""
 
-from damage.applications.studies.states import COLUMNS, INTENSITIES, LEVELS, in_unit, unit_of
+from damage.applications.studies.states import (
+    COLUMNS,
+    INTENSITIES,
+    LEVELS,
+    OF_MEASURES,
+    in_unit,
+    unit_of,
+)
 from damage.history.schema import Column, each
 from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS
 from damage.measure.damage_index import SLIP
-from damage.measure.summary import MEASURES
 
 MEMBERS = {"members": Column("1", "runs of the point in its solver")}
 POINTS = {
@@ -21,13 +27,11 @@ POINTS = {
             if column.unit
             else column
         )
-        for table in MEASURES.values()
-        for name, column in each(table).items()
+        for name, column in OF_MEASURES.items()
     },
     **{
         f"{name}_{end}": column._replace(meaning=f"{bound} of the runs of `{name}`")
-        for table in (PARAMETERS, *MEASURES.values())
-        for name, column in each(table).items()
+        for name, column in (each(PARAMETERS) | OF_MEASURES).items()
         if column.unit and name != OF_THE_FIRST
         for end, bound in (("min", "least"), ("max", "largest"))
     },

@@ -53,31 +53,13 @@ def limit_state(fit):
     ).replace("-", "m")
 
 
-def fitted(fits):
-    """Members of a list of Fragility that have a curve or a step."""
-    return [fit for fit in fits if not fit.why]
-
-
-def probability(fit, x):
-    """P(exceeded) at intensities; of a step the straight line between the intensities that bound
-    its median."""
-    return np.interp(x, fit.step, (0.0, 1.0)) if fit.step else fit.probability(x)
-
-
-def levels(fits):
-    """Intensities from where the first of the curves begins to where the last has come to its end,
-    increasing (n,)."""
-    x = np.concatenate([fit.step or fit.median * np.exp(fit.dispersion * _Z) for fit in fits])
-    return np.unique([float(f"{value:.9g}") for value in x])
-
-
 def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     """Write the curves of one wall and measure as NRML, whole or not at all; returns the path, None
     where no level has a curve of this kind.
 
     fits: Fragility of a measure's levels, ascending; kind: "continuous" or "discrete".
     """
-    curves = [fit for fit in fitted(fits) if kind == "discrete" or not fit.step]
+    curves = [fit for fit in fits if not fit.why and (kind == "discrete" or not fit.step)]
     if not curves:
         return None
     name, factor = _TYPES[curves[0].intensity]
@@ -93,7 +75,9 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     Xml.SubElement(model, "description").text = _description(wall, fits, name, kind)
     Xml.SubElement(model, "limitStates").text = " ".join(map(limit_state, curves))
     function = Xml.SubElement(model, "fragilityFunction", id=wall, format=kind)
-    x = levels(curves)
+    # from where the first of the curves begins to where the last has come to its end
+    x = np.concatenate([fit.step or fit.median * np.exp(fit.dispersion * _Z) for fit in curves])
+    x = np.unique([float(_text(value)) for value in x])
     # Without a limit OpenQuake takes, of every smaller event, the probability at `minIML` in a
     # continuous model, and a straight line to zero in a discrete one.
     imls = Xml.SubElement(function, "imls", imt=name, noDamageLimit=_text(factor * x[0]))
@@ -106,7 +90,9 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     for fit in curves:
         if kind == "discrete":
             chances = Xml.SubElement(function, "poes", ls=limit_state(fit))
-            chances.text = " ".join(map(_text, probability(fit, x)))
+            # of a step the straight line between the intensities that bound its median
+            p = np.interp(x, fit.step, (0.0, 1.0)) if fit.step else fit.probability(x)
+            chances.text = " ".join(map(_text, p))
             continue
         # mean and standard deviation of the intensity itself, not of its logarithm
         mean = factor * fit.median * np.exp(fit.dispersion**2 / 2)
@@ -134,7 +120,7 @@ def _description(wall, fits, name, kind):
     ]
     if without:
         lines.append(f"No curve for {', '.join(without)}.")
-    if len(fits) > len(without) + 1 and len({fit.dispersion for fit in fitted(fits)}) == 1:
+    if len(fits) > len(without) + 1 and len({fit.dispersion for fit in fits if not fit.why}) == 1:
         lines.append("One dispersion for all levels, so that curves do not cross (ordinal probit).")
     if steps:
         shown = {
@@ -156,7 +142,6 @@ def write_curves(runs, fits, folder):
     curve the runs do not determine is in the CSV alone, with the reason; so are all by an intensity
     that OpenQuake has no name for.
     """
-    folder = Path(folder)
     (intensity,) = {fit.intensity for ones in fits.values() for fit in ones}
     periods_s = _periods_s(runs) if intensity == "sa_eigen_period_g" else {}
     for wall, ones in fits.items() if intensity in _TYPES else ():

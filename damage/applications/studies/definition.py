@@ -154,10 +154,6 @@ class StudyRun:
         return f"{self.point}_{self.solver}"
 
     @property
-    def is_ensemble(self):
-        return bool(self.varied)
-
-    @property
     def most_members(self):
         """How many runs an ensemble may come to, twice `members` where their tails are heavy; 1 of
         a single run."""
@@ -189,13 +185,13 @@ class StudyRun:
 
     def name(self, number):
         """Name of the run with this number, from 1."""
-        return f"{self.id}_s{number}" if self.is_ensemble else self.id
+        return f"{self.id}_s{number}" if self.varied else self.id
 
     def options_of(self, number, root=Path()):
         """{name: value} of the options of the run with this number; root: the repository, which
         relative paths start from, where that is not the working folder."""
         options = with_paths(dict(self.options), lambda path: str(root / path))
-        return options | ({self.varied: self.offset + number} if self.is_ensemble else {})
+        return options | ({self.varied: self.offset + number} if self.varied else {})
 
     def settings(self, root=Path(), number=1, prog="study", more=MappingProxyType({})):
         """RunSettings of the run with this number; prog: what stands before its options in their

@@ -87,10 +87,11 @@ def locked(folder, name, shared=False):
         lock = _open_lock(folder)
     try:
         lock_as(lock, folder, shared)
-        owner = _name_in(folder / KEPT)
-        if owner not in (None, name):
+        kept = (folder / KEPT).read_text("utf-8", "replace") if (folder / KEPT).is_file() else ""
+        owner = re.search(r'^name\s*=\s*["\']([^"\']*)', kept, re.MULTILINE)
+        if owner and owner[1] != name:
             raise InputError(
-                f"{folder} holds the study {owner!r}, not {name!r}; choose another --out"
+                f"{folder} holds the study {owner[1]!r}, not {name!r}; choose another --out"
             )
     except BaseException:
         os.close(lock)
@@ -101,18 +102,16 @@ def locked(folder, name, shared=False):
 def way_on(folder):
     """(Path of the file, options) of the study in a folder, None where its copy of the file does
     not say these."""
-    path = Path(folder) / KEPT
+    path = folder / KEPT
     words = path.read_text("utf-8", "replace").partition(CONTINUED)[2] if path.is_file() else ""
     file, *options = shlex.split(words) or [None]
     return file and (Path(os.path.normpath(path.parent.absolute() / file)), options)
 
 
-def command_of(file, folder, options=(), name="study"):
-    """The command that runs a study in a folder, or makes tables there, to be copied."""
-    return shlex.join(
-        ["python3", "-m", "damage", name, str(file)]
-        + (["--out", str(folder), *options] if name == "study" else [str(folder)])
-    )
+def command_of(file, folder, options):
+    """The command that runs a study in a folder, to be copied."""
+    words = "python3", "-m", "damage", "study", str(file), "--out", str(folder), *options
+    return shlex.join(words)
 
 
 @contextmanager
@@ -166,16 +165,6 @@ def open_records(path):
         if path.stat().st_size and written.seek(-1, os.SEEK_END) and written.read() != b"\n":
             file.write("\n")
     return file
-
-
-def _name_in(path):
-    """The name in a study file that a batch kept, None where there is none."""
-    match = (
-        re.search(r'^name\s*=\s*["\']([^"\']*)', path.read_text("utf-8", "replace"), re.MULTILINE)
-        if path.is_file()
-        else None
-    )
-    return match and match[1]
 
 
 def open_log(path, mode="wb"):
@@ -234,9 +223,11 @@ def end_with_parent(parent, signal_number=signal.SIGKILL):
 def handled(handler):
     """While this lasts an interrupt, a polite kill and a terminal that closes call a handler of
     signals."""
-    # as nohup leaves SIGHUP
-    names = [name for name in POLITE_ENDS if signal.getsignal(name) != signal.SIG_IGN]
-    before = {name: signal.signal(name, handler) for name in names}
+    before = {
+        name: signal.signal(name, handler)
+        for name in POLITE_ENDS
+        if signal.getsignal(name) != signal.SIG_IGN  # as nohup leaves SIGHUP
+    }
     try:
         yield
     finally:

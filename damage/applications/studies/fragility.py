@@ -18,9 +18,8 @@ lie on, else on both.  So a bound stands while fewer than one in twenty samples 
 is NaN otherwise.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -74,7 +73,7 @@ _STARTS = 0.5, 0.2
 class Fit(NamedTuple):
     """A lognormal curve: median, dispersion [-], NaN where the runs determine none; why: the
     reason, "" where they do. side: where the median lies then: 1 above all intensities that were
-    run, -1 below, 0 not known.  step: as of `step_of`."""
+    run, -1 below, 0 not known.  step: of Fragility."""
 
     median: float = np.nan
     dispersion: float = np.nan
@@ -83,7 +82,7 @@ class Fit(NamedTuple):
     step: tuple[float, float] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fragility:
     """A fitted curve with its bounds.
 
@@ -110,7 +109,7 @@ class Fragility:
     intensity: str
     step: tuple[float, float] | None = None
     name: str = ""
-    stripes: tuple | None = field(default=None, compare=False, repr=False)
+    stripes: tuple | None = None
     why: str = ""
 
     @property
@@ -252,9 +251,9 @@ def solve(intensity, exceeding, runs):
     """The Fit by maximum likelihood.
 
     intensity: (n,) [g]; exceeding, runs: (n,) how many of how many runs exceed the level there.
-    Where the runs turn from none to all at once (`step_of`), no dispersion is the likeliest: 0, and
-    the median is the intensity where some exceed, or else the geometric mean of the two, between
-    which all medians are as likely.
+    Where the runs turn from none to all at once, with one intensity between at most, no dispersion
+    is the likeliest: 0, and the median is the intensity where some exceed, or else the geometric
+    mean of the two, between which all medians are as likely.
 
     Otherwise the runs determine a curve where its likelihood has one maximum, inside the bounds of
     the dispersion, the median is no extrapolation, and LEAST_INTENSITIES were run.  The first asks
@@ -266,9 +265,13 @@ def solve(intensity, exceeding, runs):
     x, y, n = (
         np.asarray(values, float)[np.asarray(runs) > 0] for values in (intensity, exceeding, runs)
     )
-    if step := step_of(x, y, n):
-        some = x[(y > 0) & (y < n)]
-        return Fit(float(some[0] if len(some) else np.sqrt(step[0] * step[1])), 0.0, step=step)
+    low = x[y == 0].max(initial=-np.inf)
+    high = x[y == n].min(initial=np.inf)
+    some = x[(y > 0) & (y < n)]
+    is_step = -np.inf < low <= high < np.inf and len(some) < 2
+    if is_step and all((low < some) & (some < high)):
+        median = some[0] if len(some) else np.sqrt(low * high)
+        return Fit(float(median), 0.0, step=(float(low), float(high)))
     side = int(np.all(y < n / 2)) - int(np.all(y > n / 2))
     if y.sum() in (0, n.sum()):
         return Fit(why=f"{'no' if y.sum() == 0 else 'every'} run exceeds it", side=side)
@@ -331,20 +334,6 @@ def _likeliest(x, y, n, side):
         why = f"the median would lie {where} all intensities that were run"
         return Fit(why=why, side=above)
     return Fit(median, dispersion)
-
-
-def step_of(intensity, exceeding, runs):
-    """Two intensities, up to which no run and from which all runs exceed the level, with at most
-    one intensity between them; else None.  A lognormal curve needs two intensities at which some
-    exceed.
-
-    intensity, exceeding, runs: (n,), as of `solve`, all with runs.
-    """
-    low = intensity[exceeding == 0].max(initial=-np.inf)
-    high = intensity[exceeding == runs].min(initial=np.inf)
-    some = intensity[(exceeding > 0) & (exceeding < runs)]
-    is_step = -np.inf < low <= high < np.inf and len(some) < 2
-    return (float(low), float(high)) if is_step and all((low < some) & (some < high)) else None
 
 
 _SIDES = {1: (np.inf, np.nan), 0: (np.nan, np.nan), -1: (0.0, np.nan)}
@@ -426,11 +415,11 @@ def _drawn(counts, sizes, random):
 
 def load_runs(folder):
     """The runs of a study's folder whose strengths scatter: rows of its tables/summary.csv."""
-    path = Path(folder) / "tables" / "summary.csv"
+    path = folder / "tables" / "summary.csv"
     if not path.is_file():
         raise InputError(
             f"{folder} holds no tables/summary.csv; expected the folder of a study;"
-            f" {unfinished(Path(folder)) or 'run one: ./run_all.sh fragility --solver reference'}"
+            f" {unfinished(folder) or 'run one: ./run_all.sh fragility --solver reference'}"
         )
     runs = read_table(
         path,
@@ -477,7 +466,7 @@ def choices_of(folder, intensity=None, states=()):
 
     intensity: a column, None where none is asked for; states: texts as of `parse_state`.
     """
-    path = Path(folder) / KEPT
+    path = folder / KEPT
     table = read_toml(path, *STUDY_FILE) if path.is_file() else {}
     chosen, column = choices_in(table, path)
     runs = load_runs(folder)

@@ -14,8 +14,6 @@ from damage.draw.panels import finish, grid, letter
 from damage.draw.style import BLACK, BLUE, GREEN, ORANGE, VERMILLION, put_title, styled
 from damage.draw.words import record_label
 
-_MOST_PANELS = 3
-"""In a row."""
 _BANDS = {
     "new record": (0.13, "interval of a new record's own curve"),
     "mean curve": (0.35, "interval of the mean curve, strengths and records drawn anew"),
@@ -48,7 +46,7 @@ def fragility_picture(wall, runs, fits):
     """Panels by measure, a curve a damage state; runs: the rows of this wall; fits: its list of
     Fragility."""
     measures = list(dict.fromkeys(fit.measure for fit in fits))
-    columns = min(len(measures), _MOST_PANELS)
+    columns = min(len(measures), 3)
     figure, axes = grid(-(-len(measures) // columns), columns, 2.5)
     for ax in axes.flat[len(measures) :]:
         ax.set_axis_off()
@@ -69,12 +67,17 @@ def fragility_picture(wall, runs, fits):
         else "; ".join(map(record_label, records)),
         few_note(len(records)),
     )
+    shares = "share of the runs at one intensity"
+    fitted = [
+        Line2D([], [], color="0.3", label="lognormal fit to all records"),
+        Line2D([], [], color="0.3", marker="o", ls="", ms=3, label=shares),
+    ]
     bands = [
         Patch(facecolor="0.3", alpha=alpha, lw=0, label=f"{100 * CONFIDENCE:.0f} % {text}")
         for kind, (alpha, text) in _BANDS.items()
         if kind in kinds
     ]
-    return finish(figure, [*_fit_handles(), *bands], columns=2)
+    return finish(figure, [*fitted, *bands], columns=2)
 
 
 def _panel(ax, runs, fits):
@@ -89,23 +92,6 @@ def _panel(ax, runs, fits):
     return set().union(*kinds)
 
 
-def _fit_handles():
-    """Return the legend's entries in grey of the curve and of the shares that it is fitted to."""
-    return [
-        Line2D([], [], color="0.3", label="lognormal fit to all records"),
-        Line2D(
-            [], [], color="0.3", marker="o", ls="", ms=3, label="share of the runs at one intensity"
-        ),
-    ]
-
-
-def _bands(fit, x):
-    """{name of _BANDS: lower and upper bound (2, n)} of the bands that a Fragility has."""
-    new = fit.new_record
-    bands = {"new record": new.bounds(x) if new else None, "mean curve": fit.bounds(x)}
-    return {kind: bounds for kind, bounds in bands.items() if bounds is not None}
-
-
 def _draw(ax, x, runs, fit, colour, marker, line):
     """Draw shares, curve and bounds of a Fragility; returns the legend's entry, and the names of
     the bands drawn."""
@@ -113,12 +99,15 @@ def _draw(ax, x, runs, fit, colour, marker, line):
     shares = exceeds.groupby(runs[fit.intensity]).mean()
     ax.plot(shares.index, shares, color=colour, marker=marker, ls="", ms=3, mec="none", alpha=0.8)
     entry = (fit.name and f"{fit.name}: ") + f"> {fit.level:g}"
-    bands = {}
+    drawn = []
     if np.isfinite(fit.median):
         ax.plot(x, fit.probability(x), color=colour, ls=line)
-        bands = _bands(fit, x)
+        new = fit.new_record
+        bands = {"new record": new.bounds(x) if new else None, "mean curve": fit.bounds(x)}
         for kind, bounds in bands.items():
-            ax.fill_between(x, *bounds, color=colour, alpha=_BANDS[kind][0], lw=0)
+            if bounds is not None:
+                ax.fill_between(x, *bounds, color=colour, alpha=_BANDS[kind][0], lw=0)
+                drawn.append(kind)
         unit = unit_of(fit.intensity)
         entry += (
             f": between {fit.step[0]:#.3g} and {fit.step[1]:#.3g} {unit}"
@@ -130,4 +119,4 @@ def _draw(ax, x, runs, fit, colour, marker, line):
     else:
         entry += f": no curve, {fit.n_exceeding} of {fit.n_runs} runs exceed it"
         entry += f"\n{fit.why}" if 0 < fit.n_exceeding < fit.n_runs else ""
-    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=entry), list(bands)
+    return Line2D([], [], color=colour, marker=marker, ls=line, ms=3, label=entry), drawn

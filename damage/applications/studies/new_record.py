@@ -89,8 +89,8 @@ def new_record(intensity, exceeding, runs):
     """The NewRecord after those of a study; None of fewer than LEAST_RECORDS that bound their own
     median.
 
-    intensity: (n,); exceeding, runs: (n_records, n), how many of how many runs exceed the level
-    there.
+    intensity: (n,), ascending; exceeding, runs: (n_records, n), how many of how many runs exceed
+    the level there.
     """
     exceeding = np.asarray(exceeding, float)
     runs = np.asarray(runs, float)
@@ -123,10 +123,10 @@ def _resolution(x, exceeding, runs):
     runs exceed."""
     gaps = []
     for y, n in zip(exceeding, runs):
-        order = np.argsort(x)[n[np.argsort(x)] > 0]
-        most = y[order] >= n[order] / 2
-        first = int(np.argmax(most)) if most.any() else 0
-        gaps += [x[order][first] - x[order][first - 1]] if first else []
+        ran = np.flatnonzero(n)
+        most = np.flatnonzero(y[ran] >= n[ran] / 2)
+        if len(most) and most[0] > 0:
+            gaps.append(np.diff(x[ran])[most[0] - 1])
     return np.median(gaps) if gaps else 0.0
 
 

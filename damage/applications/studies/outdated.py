@@ -7,11 +7,10 @@ runs, and names them, unless they are to be made again.  Other measures are work
 history, or refused where it was not kept.
 """
 
-import re
 import shutil
 from collections import defaultdict
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from damage.applications.cracks.at_rest import ENDING, FOLDER
 from damage.applications.studies.folder import ROOT
@@ -25,7 +24,6 @@ from damage.applications.studies.records import (
     point_of,
     read_records,
 )
-from damage.applications.studies.tables import histories_in
 from damage.errors import InputError, some_of
 from damage.files import write_text
 from damage.provenance import model_digest
@@ -36,22 +34,18 @@ CODE = {"reference": Path(__file__).parents[2] / "reference", "yade": ROOT / "ya
 FIRST_TABLES = "index", "events", "joints", "cycles"
 """Tables of the first run of a point where all histories are kept; of sequences shocks, too."""
 _DIFFERENCES = 3  # points, and differences of each, that a message names
-_FILE = re.compile(r"(.*?)(?:\.part)?\.h5")
-"""The name of a run in the name of a file that belongs to it."""
 
 
-@dataclass
-class Verdict:
+class Verdict(NamedTuple):
     """inputs: {StudyRun: (key, its inputs as JSON)}; changed: {StudyRun of other inputs: how they
-    differ, words}; models:
-    {name of a run: the other model that made it}; measures: names of runs of other measures;
-    lintels: what options replace of walls' lintels, {line: None}."""
+    differ, words}; models: {name of a run: the other model that made it}; measures: names of runs
+    of other measures; lintels: what options replace of walls' lintels, {line: None}."""
 
-    inputs: dict = field(default_factory=dict)
-    changed: dict = field(default_factory=dict)
-    models: dict = field(default_factory=dict)
-    measures: list = field(default_factory=list)
-    lintels: dict = field(default_factory=dict)
+    inputs: dict
+    changed: dict
+    models: dict
+    measures: list
+    lintels: dict
 
 
 class Results:
@@ -60,15 +54,17 @@ class Results:
     def __init__(self, folder):
         self.folder = folder
         self.records = read_records(folder)
-        self.histories = histories_in(folder)
+        self.histories = {}
         self._files = defaultdict(list)  # {name of a run: its files}, unfinished ones included
-        for path in (folder / "runs").glob("*.h5"):
-            self._files[_FILE.fullmatch(path.name)[1]].append(path)
+        for path in sorted((folder / "runs").glob("*.h5")):
+            self._files[path.stem.removesuffix(".part")].append(path)
+            if not path.stem.endswith((".part", ".differs")):
+                self.histories[path.stem] = path
 
     def judge(self, runs):
         """The Verdict on StudyRuns.  Raises InputError where a wall, an option or a record is
         bad."""
-        verdict = Verdict()
+        verdict = Verdict({}, {}, {}, [], {})
         histories = defaultdict(list)
         for name in sorted({*self.records.runs, *self.histories}):
             histories[point_of(name)].append(name)
@@ -77,7 +73,7 @@ class Results:
             names = histories[run.id]
             for wall in inputs.wall.each_wall:
                 replaced = replaced_lintels(wall, inputs.settings.model.lintel)
-                verdict.lintels |= dict.fromkeys(replaced)
+                verdict.lintels.update(dict.fromkeys(replaced))
             content = as_json(inputs)
             verdict.inputs[run] = key_of(content), content
             differing = list(
@@ -102,8 +98,9 @@ class Results:
 
     def _key(self, name):
         """The key of the inputs that a run was made from; None where nothing says it."""
-        record = self.records.runs.get(name)
-        return self.records.points.get(point_of(name)) if record is None else record.get("inputs")
+        if name in self.records.runs:
+            return self.records.runs[name]["inputs"]
+        return self.records.points.get(point_of(name))
 
     def _changes(self, inputs, key):
         """How Inputs differ from those with this key, a list of words; empty where they are
@@ -176,18 +173,14 @@ class Results:
 
     def is_whole(self, task):
         """Whether all that a run leaves is there, its record included."""
-        if (
-            task.name not in self.records.runs
-            or (task.keeps_history and task.name not in self.histories)
-            or (
-                task.patterns
-                and not (task.pattern.is_file() and "patterns" in self.records.runs[task.name])
-            )
-        ):
+        record = self.records.runs.get(task.name)
+        if record is None or (task.keeps_history and task.name not in self.histories):
+            return False
+        if task.patterns and not ("patterns" in record and task.pattern.is_file()):
             return False
         return not task.tables or all(
             (self.folder / "tables" / f"{name}_{table}.csv").is_file()
-            for part in parts_of(self.records.runs[task.name])
+            for part in parts_of(record)
             for name in [part["row"]["run"].replace(":", "_")]
             for table in FIRST_TABLES
         )

@@ -1,12 +1,15 @@
 """Dry run of a study: runs that are there and runs to make; nothing is written in the study's
 folder."""
 
+import shlex
 from dataclasses import replace
 
 from damage.applications.studies.definition import load_study
 from damage.applications.studies.folder import KEPT, ROOT, command_of, way_on
 from damage.applications.studies.outdated import Results
 from damage.errors import InputError, warn
+
+TABLES = "python3", "-m", "damage", "study-tables"
 
 
 def print_plan(study, folder, remake=False):
@@ -22,7 +25,11 @@ def print_plan(study, folder, remake=False):
     """
     results = Results(folder)
     verdict = results.judge(study.runs)
-    present = _present(results, verdict, remake)
+    lost = {*verdict.models, *verdict.measures} if remake else set()
+    present = {}
+    for run in study.runs:
+        names = results.records.names_of(run)
+        present[run] = [] if run in verdict.changed or lost.intersection(names) else names
     left = [run for run in study.runs if not present[run]]
     fewest = sum(run.members for run in left)
     most = sum(run.most_members for run in left)
@@ -69,7 +76,7 @@ def unfinished(folder):
     before = (
         ""
         if tables.is_file() or not present
-        else f"; tables of those: {command_of(file, folder, name='study-tables')}"
+        else f"; tables of those: {shlex.join([*TABLES, str(file), str(folder)])}"
     )
     return (
         f"study {study.name}: {len(present)} of {len(study.runs)} points are done{before};"
@@ -77,20 +84,10 @@ def unfinished(folder):
     )
 
 
-def _present(results, verdict, remake):
-    """{StudyRun: names of its runs that a batch would keep, empty where it is not done}."""
-    lost = {*verdict.models, *verdict.measures} if remake else set()
-    present = {}
-    for run in verdict.inputs:
-        names = results.records.names_of(run)
-        present[run] = [] if run in verdict.changed or lost.intersection(names) else names
-    return present
-
-
 def _state(run, names):
     """What is there of a run or an ensemble, or how many runs it takes, in words."""
     if names:
-        return f"there, {len(names)} runs" if run.is_ensemble else "there"
+        return f"there, {len(names)} runs" if run.varied else "there"
     if run.most_members == 1:
         return "to make"
     most = f" to {run.most_members}" if run.most_members != run.members else ""

@@ -119,7 +119,7 @@ class Pool:
         """Whether it was ended before its time."""
         return self.interrupted or self.short
 
-    def run(self, tasks, follow=lambda task, record: ()):
+    def run(self, tasks, follow):
         """Do tasks; follow(task, record): called when one is done, returns the tasks that follow
         from it."""
         order = {

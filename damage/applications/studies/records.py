@@ -53,8 +53,11 @@ class Records:
 
     def of_point(self, run):
         """{number from 1: record} of the runs of a StudyRun."""
-        names = {number: run.name(number) for number in range(1, run.most_members + 1)}
-        return {number: self.runs[name] for number, name in names.items() if name in self.runs}
+        return {
+            number: self.runs[run.name(number)]
+            for number in range(1, run.most_members + 1)
+            if run.name(number) in self.runs
+        }
 
     def text(self):
         """The content of NAME that holds all of this."""
@@ -81,8 +84,7 @@ def record_of(history, name, point):
         parts.append({"row": row} | tables)
     record = {"run": name, "intact": history.is_intact, **parts[0]}
     record |= {"others": parts[1:]} if len(parts) > 1 else {}
-    if (wrong := _wrong_number(record)) is not None:
-        raise InputError(f"its {wrong}")
+    _check_numbers(record)
     return record
 
 
@@ -161,9 +163,8 @@ def _believed(line):
     return record
 
 
-def _wrong_number(record):
-    """What number of a record no run can have, in words; None where there is none.  NaN is an empty
-    cell."""
+def _check_numbers(record):
+    """Raise InputError of a number of a record that no run can have.  NaN is an empty cell."""
     rows = (
         row for part in parts_of(record) for row in (part["row"], *part["cycles"], *part["shocks"])
     )
@@ -175,5 +176,6 @@ def _wrong_number(record):
                 and not math.isnan(value)
                 and not (math.isfinite(value) and least <= value <= most)
             ):
-                return f"{name} = {value:g}: expected a number from {least:g} to {most:g}"
-    return None
+                raise InputError(
+                    f"its {name} = {value:g}: expected a number from {least:g} to {most:g}"
+                )

@@ -15,7 +15,8 @@ from damage.run.options import options_of_a_run
 from damage.toml_file import DRAFT
 
 _NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
-_NAMED = r"\{[A-Za-z_][A-Za-z0-9_]*\}"
+_NAME = {"type": "string", "pattern": f"^{definition.ID.pattern}$"}
+_VARIED = r"\{[A-Za-z_][A-Za-z0-9_]*\}"
 
 
 def study_schema():
@@ -30,7 +31,7 @@ def study_schema():
         "properties": _described(
             definition.KEYS,
             {
-                "name": _identifier(),
+                "name": _NAME,
                 "title": {"type": "string"},
                 "pictures": {"enum": list(definition.PICTURES)},
                 "conclusion": {"type": "string", "pattern": f"^{definition.CONCLUSION.pattern}$"},
@@ -43,23 +44,17 @@ def study_schema():
     }
 
 
-def _identifier(longest=None):
-    return {"type": "string", "pattern": f"^{definition.ID.pattern}$"} | (
-        {"maxLength": longest} if longest else {}
-    )
-
-
 def _varied(schema):
     """A value may be the name of a varied one of a grid, too: a string with a name in braces."""
     if "enum" in schema:
-        return {"anyOf": [schema, {"type": "string", "pattern": _NAMED}]}
+        return {"anyOf": [schema, {"type": "string", "pattern": _VARIED}]}
     types = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
     if "string" in types:
         return schema | (
-            {"pattern": f"{schema['pattern']}|{_NAMED}"} if "pattern" in schema else {}
+            {"pattern": f"{schema['pattern']}|{_VARIED}"} if "pattern" in schema else {}
         )
     # of strings, as all that follows is of its type
-    return schema | {"type": [*types, "string"], "pattern": _NAMED}
+    return schema | {"type": [*types, "string"], "pattern": _VARIED}
 
 
 def _entry(grid):
@@ -73,7 +68,7 @@ def _entry(grid):
         "properties": _described(
             definition.ENTRY_KEYS,
             {
-                "id": _varied(_identifier(definition.LONGEST_ID)),
+                "id": _varied(_NAME | {"maxLength": definition.LONGEST_ID}),
                 "wall": {"type": "string"},
                 "options": _options(),
                 "solvers": {
@@ -90,7 +85,8 @@ def _entry(grid):
         "dependencies": {"scatter": ["members"]},
         "not": {
             "anyOf": [
-                {"required": pair} for pair in combinations(("members", "samples", "lives"), 2)
+                {"required": list(pair)}
+                for pair in combinations(("members", "samples", "lives"), 2)
             ]
         },
     }
@@ -121,14 +117,13 @@ def _described(meanings, schemas):
 
 def _options():
     """A table of a run's options, those of either solver, or a list of words."""
-    actions = {
-        action.option_strings[0]: action
+    properties = {
+        action.option_strings[0].removeprefix("--"): {
+            "description": action.help,
+            **_varied(_option(action)),
+        }
         for name, action in options_of_a_run().items()
         if name not in definition.RESERVED_OPTIONS
-    }
-    properties = {
-        name.removeprefix("--"): {"description": action.help, **_varied(_option(action))}
-        for name, action in actions.items()
     }
     return {
         "type": ["object", "array"],

@@ -5,8 +5,6 @@ FILE_members.csv beside FILE.h5, the history of the first member, has a row for 
 columns of summary.csv.
 """
 
-from pathlib import Path
-
 import numpy as np
 
 from damage.applications.studies.read import read_table
@@ -22,12 +20,12 @@ def repeated(table):
 
 def members_path(path):
     """Path of the table of members beside the history file at `path`."""
-    return Path(path).with_name(f"{Path(path).stem}_members.csv")
+    return path.with_name(f"{path.stem}_members.csv")
 
 
 def member_row(row, path):
     """A row of summary.csv as that of a member in the table beside the history file at `path`."""
-    point = Path(path).stem
+    point = path.stem
     return row | {"run": f"{point}_s{row['seed']}", "point": point}
 
 

@@ -32,11 +32,8 @@ INTENSITIES = {
 }
 """Intensities that are compared with one another; the first that a study has is the default.  What
 an axis says."""
-COLUMNS = {
-    name: column
-    for table in (PARAMETERS, RUN, MADE_BY, *MEASURES.values())
-    for name, column in each(table).items()
-}
+OF_MEASURES = {name: column for table in MEASURES.values() for name, column in each(table).items()}
+COLUMNS = each(PARAMETERS | RUN | MADE_BY) | OF_MEASURES
 """Columns of summary.csv, {name: Column}."""
 STUDY_FILE = "a study file (.toml)", 10
 """What is expected of one, and its largest size [MB]."""
@@ -199,21 +196,17 @@ def in_unit(name, column):
     return name if unit == "1" else f"{name}_{unit.replace('/', '_')}"
 
 
-def in_picture(column):
-    """A column of summary.csv as a picture names it: words, unit ("-" of a number without one).
+def label(column):
+    """The label of an axis of an intensity, or the title of a panel of a measure: words, unit ("-"
+    of a number without one).
 
-    >>> in_picture("max_drift_ratio"), in_picture("initial_stiffness_n_per_m")
-    (('maximum drift ratio', '-'), ('initial stiffness', 'N/m'))
+    >>> label("max_drift_ratio"), label("initial_stiffness_n_per_m")
+    ('maximum drift ratio [-]', 'initial stiffness [N/m]')
     """
     unit = unit_of(column)
     text = re.sub(f"_{unit.lower().replace('/', '_(per_)?')}$", "", column).replace("_", " ")
     text = re.sub(r"^max ", "maximum ", text).replace("psi", r"$\Psi$")
-    return text, "-" if unit == "1" else unit
-
-
-def label(column):
-    """The label of an axis of an intensity, or the title of a panel of a measure."""
-    return INTENSITIES.get(column, "{} [{}]".format(*in_picture(column)))
+    return INTENSITIES.get(column, f"{text} [{'-' if unit == '1' else unit}]")
 
 
 def column_words(name):

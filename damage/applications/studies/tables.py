@@ -19,15 +19,6 @@ from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS, RUN
 from damage.measure.tables import write_table
 
 
-def histories_in(folder):
-    """{name of a run: path} of the histories of a study's folder that are whole."""
-    return {
-        path.stem: path
-        for path in sorted((folder / "runs").glob("*.h5"))
-        if not path.stem.endswith((".part", ".differs"))
-    }
-
-
 def summary_of(study, folder, records=None):
     """A DataFrame with a row for each run of the study that is there, of either solver, or for each
     wall of a house.
@@ -75,9 +66,11 @@ def points_of(summary):
 def _point(runs):
     fallen = runs["collapsed_at_s"].astype(float).dropna()
     row = {}
-    for name in each(PARAMETERS):
-        if name in runs:
-            row |= _of_all(name, runs[name])
+    for name in filter(runs.__contains__, each(PARAMETERS)):
+        if runs[name].nunique(dropna=False) == 1 or name == OF_THE_FIRST:
+            row[name] = runs[name].iloc[0]
+        else:  # as of the motions of lives
+            row |= _spread(name, runs[name]) or {name: None}
     ended = runs["status"] == "complete"
     row |= {
         "members": len(runs),
@@ -88,26 +81,17 @@ def _point(runs):
     }
     row |= {name: "; ".join(sorted(set(runs[name].dropna()))) for name in MADE_BY if name in runs}
     for name in runs.columns.difference([*row, *RUN], sort=False):
-        values = runs[name].dropna()
-        row |= _spread(name, values) if _is_number(values) else {name: values.mode().iloc[0]}
+        row |= _spread(name, runs[name]) or {name: runs[name].mode().iloc[0]}
     return row
 
 
-def _of_all(name, values):
-    """What a point has of a parameter: its value where all runs have the same, or else the spread
-    of numbers and no word, as of the motions of lives."""
-    if values.nunique(dropna=False) == 1 or name == OF_THE_FIRST:
-        return {name: values.iloc[0]}
-    return _spread(name, values.dropna()) if _is_number(values.dropna()) else {name: None}
-
-
 def _spread(name, values):
+    """Median and range of the numbers in a column; {} where there are words."""
+    values = values.dropna()
+    if not all(isinstance(value, (int, float, np.number)) for value in values):
+        return {}
     numbers = values.astype(float)
     return {name: numbers.median(), f"{name}_min": numbers.min(), f"{name}_max": numbers.max()}
-
-
-def _is_number(values):
-    return all(isinstance(value, (int, float, np.number)) for value in values)
 
 
 def write_study_tables(study, folder):
@@ -116,8 +100,9 @@ def write_study_tables(study, folder):
     records = read_records(folder)
     summary = summary_of(study, folder, records)
     tables = folder / "tables"
-    parts = [part for record in records.runs.values() for part in parts_of(record)]
-    tables_of = {part["row"]["run"]: part for part in parts}
+    tables_of = {
+        part["row"]["run"]: part for record in records.runs.values() for part in parts_of(record)
+    }
     paths = [write_table(points_of(summary), tables / "points.csv")]
     for name in TABLES:
         rows = [{"run": run, **row} for run in summary["run"] for row in tables_of[run][name]]

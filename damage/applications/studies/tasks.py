@@ -72,8 +72,13 @@ class Task:
     @property
     def place(self):
         """Options of its run beside those of its point."""
-        place = {"resume": str(self.part)} if self.stands else {"out": str(self.part)}
-        return place | {"overwrite": "out" in place, "pictures": False}
+        stands = self.stands
+        place = {"resume" if stands else "out": str(self.part)}
+        return place | {"overwrite": not stands, "pictures": False}
+
+    def settings(self, prog):
+        """RunSettings of its run, whose paths start from the working folder."""
+        return self.point.settings(number=self.number, prog=prog, more=self.place)
 
     @property
     def steps(self):

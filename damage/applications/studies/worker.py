@@ -11,7 +11,6 @@ import signal
 import sys
 import time
 from collections import deque
-from functools import partial
 from types import MappingProxyType
 
 from damage.applications.studies.conclude import conclude, draw
@@ -117,7 +116,7 @@ class Group:
                 yield None, None
             elif self._begins(task := self._waiting.popleft()):
                 print("---", task.name, flush=True)
-                yield task.name, (task.point.wall, partial(_settings, task))
+                yield task.name, (task.point.wall, task.settings)
 
     def _begins(self, task):
         """Whether a task is to be simulated; sends what becomes of it otherwise."""
@@ -148,14 +147,13 @@ class Group:
             # of another version, or of other options: it begins again
             checkpoint_path(task.part).unlink()
             self._waiting.append(task)
-        elif isinstance(history, Begun):  # of a run that never had one
-            self._connection.send(
-                (task, CHANGED, history.changes) if history.changes else (task, status, None)
-            )
-        else:
-            self._connection.send(
-                (task, *(conclude(task, history) if status == EXIT_OK else (status, None)))
-            )
+            return
+        ended = status, None
+        if isinstance(history, Begun) and history.changes:
+            ended = CHANGED, history.changes
+        elif status == EXIT_OK:
+            ended = conclude(task, history)
+        self._connection.send((task, *ended))
 
 
 class Begun:
@@ -178,8 +176,3 @@ class Begun:
                 f"not made, as its inputs changed since the study began: {some_of(self.changes)}"
             )
         return self._kind(path, layout, **more)
-
-
-def _settings(task, prog):
-    """RunSettings of a task, whose paths start from the working folder."""
-    return task.point.settings(number=task.number, prog=prog, more=task.place)
