@@ -10,7 +10,6 @@ from damage.measure.results import CORNERS, WALLS, result_of, value_in
 def house_part(history, summaries):
     """Everything about the History of a house, a dictionary for the page; summaries: {name of a
     wall: `damage.measure.summary.summarise`}."""
-    summary = house_summary(history, summaries)
     pictures = (
         (
             elevation_picture(history),
@@ -39,7 +38,7 @@ def house_part(history, summaries):
         "corner_heads": [result.heading for result in CORNERS.values()],
         "corners": [
             (name, [_cell(result, corner[key]) for key, result in CORNERS.items()])
-            for name, corner in summary["corners"].items()
+            for name, corner in house_summary(history, summaries)["corners"].items()
         ],
         "pictures": [
             (as_png(figure, colours=256), alt, caption) for figure, alt, caption in pictures

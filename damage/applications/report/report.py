@@ -3,7 +3,6 @@
 import re
 from dataclasses import dataclass
 from functools import cache, partial
-from pathlib import Path
 
 from jinja2.utils import htmlsafe_json_dumps
 
@@ -81,14 +80,9 @@ def write_report(paths, out=None, heading=Heading()):
     Raises InputError of a file that is no history or has no sample, of a folder without tables, and
     of another ending.
     """
-    paths = [Path(path) for path in paths]
-    out = (
-        Path(out)
-        if out
-        else paths[0] / "report.html"
-        if paths[0].is_dir()
-        else paths[0].with_suffix(".html")
-    )
+    if out is None:
+        first = paths[0]
+        out = first / "report.html" if first.is_dir() else first.with_suffix(".html")
     if out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
     files, folders = (
@@ -123,7 +117,15 @@ def page(files, folders, heading=Heading()):
             houses=houses,
             studies=parts,
             # the part of a study has its own
-            of_folders=[_beside(folder) for folder in folders if folder not in studies],
+            of_folders=[
+                {
+                    "name": path.resolve().name,
+                    "documents": documents(path),
+                    "figures": figures(path),
+                }
+                for path in folders
+                if path not in studies
+            ],
             first=_read_first(runs, parts),
             title=heading.title or title,
             subject=title if heading.title else "",
@@ -156,15 +158,6 @@ def _houses(histories, runs):
         for history in histories
         if history.kind == "house"
     ]
-
-
-def _beside(folder):
-    """Documents and figures of a folder of several studies."""
-    return {
-        "name": folder.resolve().name,
-        "documents": documents(folder),
-        "figures": figures(folder),
-    }
 
 
 def _read_first(runs, studies):

@@ -32,10 +32,6 @@ OTHER_CRITERIA = tuple(
     f"{kind}_{prefix}" for kind in ("max", "residual") for prefix in filter(None, CRITERIA.values())
 )
 """Beginnings of columns by other criteria of slip than that of the run's results."""
-LEAST_PLAIN = 1e-4
-"""Least number that is written without an exponent."""
-MOST_PLAIN = 1e6
-"""Largest number that is written without an exponent."""
 _GIVEN = each(RUN | PARAMETERS | MADE_BY)
 
 
@@ -57,7 +53,8 @@ def in_short(value, digits=DIGITS):
         return "–"
     if isinstance(value, int) or not isinstance(value, Number):
         return str(value) or "–"
-    plain = digits == DIGITS and (LEAST_PLAIN <= abs(value) < MOST_PLAIN or value == 0)
+    # without an exponent
+    plain = digits == DIGITS and (1e-4 <= abs(value) < 1e6 or value == 0)
     return rounded(value, digits) if plain else f"{value:.{digits}g}"
 
 

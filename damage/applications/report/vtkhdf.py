@@ -33,8 +33,6 @@ VERSION = 2, 2
 HEXAHEDRON = 12
 LINE = 3
 """VTK's codes of the cells."""
-PARTS = ("brick", "cap", "bed joint", "head joint", "cut of a brick")
-"""What the codes of the cells' `part` stand for."""
 SERIES = (
     "drift_ratio",
     "top_displacement_m",
@@ -151,9 +149,10 @@ class Cells:
 
     @cached_property
     def fixed(self):
-        """{name: (n_cells,)} of what time does not change: part, a code of PARTS; body and joint,
-        rows of the history's tables, -1 in cells that are none; course; length_m; elastic; of a
-        house the number of its wall, -1 of joints between two."""
+        """{name: (n_cells,)} of what time does not change: part, 0 brick, 1 cap, 2 bed joint, 3
+        head joint, 4 cut of a brick; body and joint, rows of the history's tables, -1 in cells that
+        are none; course; length_m; elastic; of a house the number of its wall, -1 of joints between
+        two."""
         bodies = self.history.bodies
         joints = self.history.joints
         course = bodies["course"].to_numpy()

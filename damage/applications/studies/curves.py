@@ -28,14 +28,13 @@ from damage.files import whole_or_nothing
 from damage.measure.tables import write_table
 
 NAMESPACE = "http://openquake.org/xmlns/nrml/0.5"
-CM_PER_M = 100
 _Z = np.linspace(-4.0, 4.0, 33)
 """Levels of a curve, in dispersions from the median: from 0.00003 to 0.99997."""
 _TYPES = {
     "record_pga_g": ("PGA", 1),
     "pga_g": ("PGA", 1),
-    "pgv_m_s": ("PGV", CM_PER_M),
-    "pgv_rotd100_m_s": ("PGV", CM_PER_M),
+    "pgv_m_s": ("PGV", 100),
+    "pgv_rotd100_m_s": ("PGV", 100),
     "sa_0.2_s_g": ("SA(0.2)", 1),
     "sa_eigen_period_g": ("SA({:.4g})", 1),
     "avg_sa_g": ("AvgSA", 1),

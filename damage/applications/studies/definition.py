@@ -67,8 +67,6 @@ of five is then uncertain by some percent, and a sixth member lies outside of th
 case out of three."""
 LEAST_MEMBERS = 5
 """Least number of members by which `tails_are_heavy` can judge."""
-JUDGED = ("max_DI", "max_drift_ratio")
-"""Measures whose spread `tails_are_heavy` judges."""
 LIVES_A_POINT = 48
 """Largest number of lives of a point."""
 KEYS = {
@@ -201,8 +199,8 @@ class StudyRun:
 
 
 def tails_are_heavy(rows):
-    """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`) spread so
-    much.
+    """Whether the rows of an ensemble's members (of `damage.measure.tables.summary_row`), at least
+    LEAST_MEMBERS, spread so much.
 
     >>> drifts = [1.00e-3, 1.01e-3, 1.02e-3, 1.03e-3, 1.05e-3]
     >>> rows = [{"max_DI": 0.1, "max_drift_ratio": drift} for drift in drifts]
@@ -211,9 +209,9 @@ def tails_are_heavy(rows):
     >>> tails_are_heavy([rows[0] | {"max_drift_ratio": 0.9e-3}, *rows[1:]])
     True
     """
-    return len(rows) >= LEAST_MEMBERS and any(
+    return any(
         np.ptp(values) > HEAVY * abs(np.median(values))
-        for values in ([row[name] for row in rows] for name in JUDGED)
+        for values in ([row[name] for row in rows] for name in ("max_DI", "max_drift_ratio"))
     )
 
 

@@ -37,7 +37,6 @@ tables need some."""
 NO_ROOM = errno.ENOSPC, errno.EDQUOT
 POLITE_ENDS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 """Signals at which a study ends what runs and keeps what is done."""
-_PR_SET_PDEATHSIG = 1
 _LIBC = CDLL(None)
 _ALREADY = "another batch is at work in {}; wait for its end, or choose another --out"
 
@@ -214,7 +213,7 @@ def end_with_parent(parent, signal_number=signal.SIGKILL):
     """Have this process sent a signal when the thread that started it dies, however that happens
     (Linux only); end it where its parent, by its number, is dead already."""
     if sys.platform == "linux":
-        _LIBC.prctl(_PR_SET_PDEATHSIG, int(signal_number), 0, 0, 0)
+        _LIBC.prctl(1, int(signal_number), 0, 0, 0)  # PR_SET_PDEATHSIG
     if os.getppid() != parent:
         os._exit(EXIT_INTERRUPTED)
 

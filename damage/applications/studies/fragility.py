@@ -28,7 +28,7 @@ import scipy  # optimize where it is used: it starts slowly
 from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from damage.applications.studies.folder import KEPT
-from damage.applications.studies.new_record import CONFIDENCE, new_record
+from damage.applications.studies.new_record import CONFIDENCE, TAILS, new_record
 from damage.applications.studies.ordered import crossings
 from damage.applications.studies.plan import unfinished
 from damage.applications.studies.read import check_names, read_table
@@ -202,7 +202,9 @@ class Fragility:
         """The fit as a flat dictionary: a row of the table; medians have the intensity's unit in
         their names."""
         named = partial(in_unit, column=self.intensity)
-        row = {
+        (low, least), (high, largest) = self.median_bounds()
+        new_low, new_high = self.new_record_bounds
+        return {
             "state": self.state,
             "measure": self.measure,
             "level": self.level,
@@ -212,10 +214,6 @@ class Fragility:
             named("median"): self.median,
             "dispersion": self.dispersion,
             "undetermined": self.why,
-        }
-        (low, least), (high, largest) = self.median_bounds()
-        new_low, new_high = self.new_record_bounds
-        return row | {
             named("median_both_low"): low,
             named("median_both_high"): high,
             "dispersion_both_low": least,
@@ -238,7 +236,7 @@ def stretch(n):
     >>> [round(float(stretch(n)), 2) for n in (2, 5, 25, 1000)]
     [5.43, 1.45, 1.06, 1.0]
     """
-    low = (1 - CONFIDENCE) / 2
+    low, _ = TAILS
     return np.sqrt(n / (n - 1)) * stdtrit(n - 1, low) / ndtri(low)
 
 

@@ -19,8 +19,6 @@ _BANDS = {
     "mean curve": (0.35, "interval of the mean curve, strengths and records drawn anew"),
 }
 """What lies in a band: how dark, in words; the wider one first."""
-MOST_NAMED = 9
-"""Records that a heading names one by one."""
 STYLES = (
     (BLUE, "o", "-"),
     (GREEN, "s", "--"),
@@ -62,9 +60,7 @@ def fragility_picture(wall, runs, fits):
         figure,
         f"{wall} wall, {len(runs)} runs: {n_walls} draws of the joints' strengths, coefficient of "
         f"variation {runs['strength_cov'].iloc[0]:g}",
-        f"{len(records)} records"
-        if len(records) > MOST_NAMED
-        else "; ".join(map(record_label, records)),
+        f"{len(records)} records" if len(records) > 9 else "; ".join(map(record_label, records)),
         few_note(len(records)),
     )
     shares = "share of the runs at one intensity"

@@ -9,8 +9,6 @@ from damage.applications.studies.folder import KEPT, ROOT, command_of, way_on
 from damage.applications.studies.outdated import Results
 from damage.errors import InputError, warn
 
-TABLES = "python3", "-m", "damage", "study-tables"
-
 
 def print_plan(study, folder, remake=False):
     """Print the runs of a Study: what its folder has of each, and how many there are to make.
@@ -72,12 +70,10 @@ def unfinished(folder):
         study = replace(study, runs=tuple(run for run in study.runs if run.solver in solvers))
     if len(present) == len(study.runs):
         return None
-    tables = folder / "tables" / "summary.csv"
-    before = (
-        ""
-        if tables.is_file() or not present
-        else f"; tables of those: {shlex.join([*TABLES, str(file), str(folder)])}"
-    )
+    before = ""
+    if present and not (folder / "tables" / "summary.csv").is_file():
+        tables = shlex.join(["python3", "-m", "damage", "study-tables", str(file), str(folder)])
+        before = f"; tables of those: {tables}"
     return (
         f"study {study.name}: {len(present)} of {len(study.runs)} points are done{before};"
         f" the others: {command_of(file, folder, options)}"

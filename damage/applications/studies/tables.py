@@ -19,14 +19,13 @@ from damage.measure.columns import MADE_BY, OF_THE_FIRST, PARAMETERS, RUN
 from damage.measure.tables import write_table
 
 
-def summary_of(study, folder, records=None):
+def summary_of(study, folder, records):
     """A DataFrame with a row for each run of the study that is there, of either solver, or for each
     wall of a house.
 
-    records: of `read_records`, where they are read already.  `members` is how many runs there are
-    of the row's point in its solver.
+    records: of `read_records`.  `members` is how many runs there are of the row's point in its
+    solver.
     """
-    records = records or read_records(folder)
     rows = [
         part["row"] | {"members": len(names)}
         for run in study.of_both

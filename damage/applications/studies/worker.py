@@ -136,12 +136,12 @@ class Group:
         self._shares[name] = share
         if time.monotonic() > self._last_message + SHARES_S:
             self._last_message = time.monotonic()
-            under_way = self._shares.keys() & self._tasks.keys()
-            self._connection.send((None, None, {task: self._shares[task] for task in under_way}))
+            self._connection.send((None, None, self._shares))
 
     def end(self, name, status):
         """Send what became of a run, by its exit status."""
         task = self._tasks.pop(name)
+        self._shares.pop(name, None)
         history = self.histories.pop(name)
         if status not in (EXIT_OK, EXIT_INTERRUPTED) and task.stands:
             # of another version, or of other options: it begins again

@@ -16,7 +16,7 @@ from damage.history.reader import read_history
 from damage.run.options import words_of
 from damage.start import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 
-PATIENCE_S = 60.0
+PATIENCE_S = 60
 """How long an interrupted solver may take to close its history before it is killed [s]."""
 # of damage.run.progress.Progress
 _PROGRESS = re.compile(r"\bt = +(-?[\d.]+) of ([\d.]+) s ")
@@ -79,7 +79,7 @@ def _run_solver(command, folder, lock, announce):
     def end(*_):
         if not came:
             solver.terminate()
-            signal.alarm(int(PATIENCE_S))
+            signal.alarm(PATIENCE_S)
         came.append(True)
 
     before = signal.signal(signal.SIGTERM, end)

@@ -328,7 +328,8 @@ class TestVersions:
             " give --remake"
         )
         refused_with(message, there.settle)
-        refused_with("run the study again", summary_of, there.load(), there.out)
+        records = read_records(there.out)
+        refused_with("run the study again", summary_of, there.load(), there.out, records)
         assert there.settle(remake=True) == [] and read_records(there.out).runs == {}
 
     def test_another_model_is_named_and_its_runs_are_kept_or_made_again(self, tmp_path):
