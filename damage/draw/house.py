@@ -25,7 +25,7 @@ from damage.history.moments import (
     joint_states,
     nearest_snapshot,
 )
-from damage.house.placing import FACES
+from damage.house.placing import BOX, FACES
 from damage.measure.house import corner_joints, corners_table, walls_table
 from damage.wall.geometry import kinds_of_bodies
 from damage.wall.kinds import TINY
@@ -78,26 +78,24 @@ def corner_cracks(space, number, sample, snapshot, magnify):
     """Cracks of the joints between a wall, by its number, and others, seen from in front of the
     wall: one of each pair of bricks and kind, in the gravest state of its points."""
     history = space.history
-    placing = space.history.placing
-    cracks = []
-    codes = joint_states(history, sample)
-    width = widths(history, sample)
+    placing = history.placing
     pairs = [
         joints for walls, joints in corner_joints(history).items() if placing.names[number] in walls
     ]
     joints = np.concatenate([*pairs, np.zeros(0, int)])
     places = placing.in_wall(number, space.joint_ends[joints].mean(axis=1))
-    table = history.joints.iloc[joints]
-    groups = table.groupby(["first_body", "second_body", "kind"], observed=True).indices
-    for (first, second, kind), rows in groups.items():
-        ends = np.tile(places[rows].mean(axis=0), (2, 1))
-        points = joints[rows]
-        along = places[rows, 2 if kind == "head" else 0]
-        ends[:, 2 if kind == "head" else 0] = along.min(), along.max()
-        cracks.append((ends, codes[points].max(), width[points].max(), (first, second)))
-    if not cracks:
-        return Cracks(np.zeros((0, 2, 3)), np.zeros(0, int), np.zeros(0), np.zeros((0, 2), int))
-    ends, codes, width, bodies = map(np.array, zip(*cracks))
+    keys = history.joints.iloc[joints][["first_body", "second_body", "kind"]]
+    groups = keys.groupby(list(keys), observed=True).indices
+    ends = np.zeros((len(groups), 2, 3))
+    for line, ((*_, kind), rows) in zip(ends, groups.items()):
+        axis = 2 if kind == "head" else 0
+        line[:] = places[rows].mean(axis=0)
+        line[:, axis] = places[rows, axis].min(), places[rows, axis].max()
+    codes, width = (
+        np.array([values[joints[rows]].max() for rows in groups.values()], values.dtype)
+        for values in (joint_states(history, sample), widths(history, sample))
+    )
+    bodies = np.array([pair for *pair, _ in groups], int).reshape(-1, 2)
     ends = placing.in_house(np.full(len(ends), number), ends)
     ends = sum(space.moved(body, ends, snapshot, magnify) for body in bodies.T) / 2
     return Cracks(ends, codes, width, bodies)
@@ -141,14 +139,12 @@ class Before:
 
     def in_band(self, boxes):
         """Which boxes (n, 8, 3) [m] are in the wall, or reach into it, (n,) bool."""
-        local = self.placing.in_wall(self.number, boxes)[..., :2]
-        left = self.placing.left[self.number]
-        length = self.placing.length[self.number]
-        half = self.placing.thickness[self.number] / 2
-        least = np.array([left, -half])
-        most = np.array([left + length, half])
-        common = np.minimum(local.max(axis=1), most) - np.maximum(local.min(axis=1), least)
-        return (common > TINY).all(axis=1)
+        placing = self.placing
+        half = np.array([placing.length[self.number], placing.thickness[self.number]]) / 2
+        middle = [placing.left[self.number] + half[0], 0.0]
+        places = placing.in_wall(self.number, boxes)[..., :2] - middle
+        reach = half - TINY
+        return ((places.max(axis=1) > -reach) & (places.min(axis=1) < reach)).all(axis=1)
 
 
 class Eye:
@@ -224,9 +220,9 @@ def legend_of(history, sample, widest_pt):
     return [handle for handle in run.joint_handles(shape) if handle.get_label() != "intact"]
 
 
-def _moment(history, sample, damage):
-    time_s = history.time_s[sample]
-    return f"{time_s:.3f} s, largest DI of a wall {damage:.3f}"
+def _title(history, sample, damage):
+    moment = f"{history.time_s[sample]:.3f} s, largest DI of a wall {damage:.3f}"
+    return [*style.title_of(history), moment]
 
 
 @style.styled
@@ -264,12 +260,9 @@ def elevation_picture(history, sample="max", magnify=None):
             if number:
                 ax.set_ylabel("")
             ax.set_title(f"{placing.names[number]}, {face}", loc="left", fontsize="medium")
-    moment = _moment(history, sample, damage)
-    style.add_title(figure, history, moment, "each face is seen from in front of it")
+    title = [*_title(history, sample, damage), "each face is seen from in front of it"]
     handles = [*legend_of(history, sample, widest_pt), run.magnified(snapshot, magnify)]
-    style.legend_below(figure, handles, 6)
-    style.settle_layout(figure)
-    return figure
+    return style.finish_in_scale(figure, title, handles, columns=6)
 
 
 class Perspective:
@@ -278,11 +271,11 @@ class Perspective:
     def __init__(self, ax, history, page_pt):
         self.space = InSpace(history)
         placing = history.placing
-        places = self.space.boxes.reshape(-1, 3)
-        self.low = places.min(axis=0)
-        self.high = places.max(axis=0)
-        self.middle = (self.low + self.high) / 2
-        self.radius = float(np.linalg.norm(self.high - self.low) / 2)
+        low = self.space.boxes.min(axis=(0, 1))
+        high = self.space.boxes.max(axis=(0, 1))
+        self.middle = (low + high) / 2
+        self.half = (high - low) / 2
+        self.radius = float(np.linalg.norm(self.half))
         outside = placing.sign_of("outside")[0] * placing.axes[0, 1]
         self.azimuth = float(np.degrees(np.arctan2(outside[1], outside[0]))) + BESIDE_DEG
         self.widest_pt = _widest(history, (2 * self.radius,) * 2, page_pt)
@@ -305,22 +298,12 @@ class Perspective:
         lines = Cracks(*(values[seen] for values in lines))
         corners = self.space.corners(snapshot, magnify)
         draw(self.drawn, history, eye, corners, lines, widest_pt=self.widest_pt)
-        ground = self._around(0.12) * [1.0, 1.0, 0.0]
-        self.ground.set_verts([eye.project(ground[[0, 1, 3, 2]])])
+        ground = self._around(0.12)[[0, 1, 5, 4]] * [1.0, 1.0, 0.0]
+        self.ground.set_verts([eye.project(ground)])
 
     def _around(self, share):
-        """Corners of a box with a margin, the lower ones first, (8, 3) [m]."""
-        margin = share * self.radius
-        low = self.low - margin
-        high = self.high + margin
-        return np.array(
-            [
-                (x, y, z)
-                for z in (low[2], high[2])
-                for x in (low[0], high[0])
-                for y in (low[1], high[1])
-            ]
-        )
+        """Corners of a box with a margin, as of BOX, (8, 3) [m]."""
+        return self.middle + BOX * (self.half + share * self.radius)
 
     def fit(self, azimuths):
         """Set the limits of the axes to what is seen from these azimuths [deg]; returns height over
@@ -344,11 +327,8 @@ def space_picture(history):
     seen.show(sample, snapshot, magnify, seen.azimuth)
     ratio = seen.fit([seen.azimuth])
     figure.set_size_inches(style.COLUMN_WIDTH, min(style.COLUMN_WIDTH * ratio, 4.5))
-    style.add_title(figure, history, _moment(history, sample, damage))
     handles = [*legend_of(history, sample, seen.widest_pt), run.magnified(snapshot, magnify)]
-    style.legend_below(figure, handles, columns=3)
-    style.settle_layout(figure)
-    return figure
+    return style.finish_in_scale(figure, _title(history, sample, damage), handles)
 
 
 # --- over time -----------------------------------------------------------------------------------
@@ -377,11 +357,7 @@ def walls_picture(history):
     for ax in axes[::3]:
         from_zero(ax)
     handles = [line for ax in axes[::3] for line in ax.get_lines()]
-    figure.align_ylabels()
-    style.add_title(figure, history)
-    marks = style.mark_times(history, axes)
-    style.legend_below(figure, [*handles, *marks], columns=3)
-    return figure
+    return run.finish_over_time(figure, history, axes, handles)
 
 
 # --- files ---------------------------------------------------------------------------------------

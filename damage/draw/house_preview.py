@@ -68,10 +68,7 @@ def house_preview(layout):
     title += f"{layout.total_mass / 1e3:.3g} t; grey arrows: x of the walls"
     if any(corner.kind == "toothed" for corner in house.corners):
         title += "; ends that are missing are bricks of the other wall"
-    style.put_title(figure, title)
-    style.legend_below(figure, list(handles.values()), columns=6)
-    style.settle_layout(figure)
-    return figure
+    return style.finish_in_scale(figure, [title], list(handles.values()), columns=6)
 
 
 def _area(span):
@@ -158,4 +155,8 @@ def _draw_corner(ax, house, corner):
     place = first.origin + way * first.axes[0, :2]
     mark = MARKS[corner.kind]
     ax.plot(*place, mark, color=style.VERMILLION, ms=4)
-    return {corner.kind: style.mark_handle(mark, f"{corner.kind} corner")}
+    return {
+        corner.kind: style.line_handle(
+            style.VERMILLION, f"{corner.kind} corner", line="", marker=mark, ms=4
+        )
+    }

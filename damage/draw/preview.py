@@ -15,7 +15,6 @@ GROUND_DEPTH = 0.06  # of the wall's height, drawn
 HIGHEST_NAME = 6  # most courses above an opening over which the name of its spandrel is centred
 PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
 NARROW = 0.14  # of the wall's length, below which the size of an opening is written upwards
-_LABELS = 0.45  # [inch] that ticks and labels take beside and below
 
 
 @style.styled
@@ -28,13 +27,8 @@ def wall_preview(plan, bodies, joints, supports=()):
     """
     figure, ax = style.new_figure(1.0)
     handles, ratio = draw_preview(ax, plan, bodies, joints, supports)
-    figure.set_size_inches(
-        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - _LABELS) * ratio, 5.0) + _LABELS
-    )
-    style.put_title(figure, *title_of(plan.wall, bodies, joints))
-    style.legend_below(figure, handles, columns=3)
-    style.settle_layout(figure)
-    return figure
+    style.fit_column(figure, ratio)
+    return style.finish_in_scale(figure, title_of(plan.wall, bodies, joints), handles)
 
 
 def draw_preview(ax, plan, bodies, joints, supports=()):

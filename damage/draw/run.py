@@ -86,13 +86,10 @@ def wall_picture(
     """
     shape = wall_shape(history, sample, magnify)
     figure, ax = style.new_figure(1.0)
-    return _with_title_and_legend(
-        figure,
-        draw_wall(ax, shape),
-        history,
-        [_moment(shape, sample)],
-        [*joint_handles(shape), magnified(shape.snapshot_time_s, shape.magnification)],
-    )
+    style.fit_column(figure, draw_wall(ax, shape))
+    title = [*style.title_of(history), _moment(shape, sample)]
+    factor = magnified(shape.snapshot_time_s, shape.magnification)
+    return style.finish_in_scale(figure, title, [*joint_handles(shape), factor])
 
 
 def plot_wall(
@@ -117,19 +114,6 @@ def plot_wall(
     factor = magnified(shape.snapshot_time_s, shape.magnification).get_label()
     ax.set_title(f"{_moment(shape, t)}\n{factor}", fontsize="small")
     return shape
-
-
-def _with_title_and_legend(figure, ratio, history, lines, handles):
-    """Fit the figure of a wall to its axes (ratio: height over width), and add title lines and a
-    legend."""
-    labels = 0.45  # [inch] that ticks and labels take beside and below
-    figure.set_size_inches(
-        style.COLUMN_WIDTH, min((style.COLUMN_WIDTH - labels) * ratio, 5.0) + labels
-    )
-    style.add_title(figure, history, *lines)
-    style.legend_below(figure, handles, columns=3)
-    style.settle_layout(figure)
-    return figure
 
 
 def has_heap(history: History) -> bool:
@@ -159,30 +143,17 @@ def heap_picture(history: History) -> Figure:
     now = body_corners(history.bodies, motion)
     kinds = kinds_of_bodies(history.bodies["course"])
     figure, ax = style.new_figure(1.0)
-    layers = [
-        (before, "none", "0.8", "where they were"),
-        *(
-            (now[kinds == kind], colour, "none", style.BODY_WORDS.get(kind, kind))
-            for kind, colour in style.BODY_COLOURS.items()
-            if (kinds == kind).any()
-        ),
-        (now, "none", style.DARK, None),
-    ]
-    for corners, face, edge, label in layers:  # all edges above all faces
-        style.add_bodies(ax, corners, face, edge, label=label)
+    style.add_bodies(ax, before, "none", "0.8")
+    handles = [style.area_handle("none", "where they were", "0.8")]
+    for kind, colour in style.BODY_COLOURS.items():
+        if (kinds == kind).any():
+            style.add_bodies(ax, now[kinds == kind], colour)
+            handles.append(style.area_handle(colour, style.BODY_WORDS.get(kind, kind)))
+    style.add_bodies(ax, now, "none", style.DARK)  # all edges above all faces
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
-    handles = [
-        style.area_handle(face, label, style.DARK if edge == "none" else edge)
-        for _, face, edge, label in layers
-        if label
-    ]
-    return _with_title_and_legend(
-        figure,
-        show_all(ax, before, now),
-        history,
-        [f"{after_s:.2f} s after the first brick fell, not magnified"],
-        handles,
-    )
+    style.fit_column(figure, show_all(ax, before, now))
+    moment = f"{after_s:.2f} s after the first brick fell, not magnified"
+    return style.finish_in_scale(figure, [*style.title_of(history), moment], handles)
 
 
 @style.styled
@@ -200,75 +171,52 @@ def contact_force_picture(history: History, moment: str | float = "max") -> Figu
     'x [m]'
     """
     (sample,) = choose_samples(history, [moment])
-    bodies = history.bodies
     force = contact_forces(history, sample)
-    place = history.joints[["x_m", "z_m"]].to_numpy()
-    corners = body_corners(bodies)
-    kinds = kinds_of_bodies(bodies["course"])
-    figure, ax = _figure_of_bodies(corners, kinds)
+    middle = history.joints[["x_m", "z_m"]].to_numpy()
+    corners = body_corners(history.bodies)
+    kinds = kinds_of_bodies(history.bodies["course"])
+    figure, ax = style.new_figure(1.0)
+    style.add_bodies(ax, corners, [style.BODY_COLOURS[kind] for kind in kinds], "0.85", 0.2)
     size = np.hypot(*force.T)
-    largest = max(size.max(), 1.0)
-    half = 0.5 * history.masonry_wall.brick.length / largest * force
+    half = 0.5 * history.masonry_wall.brick.length / max(size.max(), 1.0) * force
     pulls = history.joint_stress_pa[sample, :, 0] > 0
-    _draw_lines(ax, place, half, pulls, 0.6)
+    colours = np.where(pulls, style.VERMILLION, style.BLUE)
+    style.add_lines(ax, np.stack([middle - half, middle + half], axis=1), colours, 0.6)
     _draw_thrust(ax, history, moment)
     handles = [
-        *(
-            style.line_handle(
-                colour, f"{label}, up to {size[chosen].max(initial=0.0) / 1e3:.3g} kN"
-            )
-            for colour, label, chosen in (
-                (style.BLUE, "compression", ~pulls),
-                (style.VERMILLION, "tension", pulls),
-            )
-        ),
+        style.line_handle(colour, f"{label}, up to {size[chosen].max(initial=0.0) / 1e3:.3g} kN")
+        for colour, label, chosen in (
+            (style.BLUE, "compression", ~pulls),
+            (style.VERMILLION, "tension", pulls),
+        )
+    ]
+    handles += [
         style.line_handle(style.BLACK, "thrust"),
         style.line_handle(style.BLACK, "middle third", 0.5, ":"),
     ]
-    time_s = history.time_s[sample]
-    return _with_title_and_legend(
-        figure,
-        show_all(ax, corners),
-        history,
-        [f"contact forces, {moment}: {time_s:.3f} s"],
-        handles,
-    )
-
-
-def _figure_of_bodies(corners, kinds):
-    """A figure of bodies under lines of forces, and its axes."""
-    figure, ax = style.new_figure(1.0)
-    style.add_bodies(ax, corners, [style.BODY_COLOURS[kind] for kind in kinds], "0.85", 0.2)
-    return figure, ax
-
-
-def _draw_lines(ax, middle, half, pulls, width_pt):
-    """Draw lines about their middles; half of each, (n, 2) [m]; pulls: (n,), which are under
-    tension."""
-    colours = np.where(pulls, style.VERMILLION, style.BLUE)
-    style.add_lines(ax, np.stack([middle - half, middle + half], axis=1), colours, width_pt)
+    style.fit_column(figure, show_all(ax, corners))
+    which = f"contact forces, {moment}: {history.time_s[sample]:.3f} s"
+    return style.finish_in_scale(figure, [*style.title_of(history), which], handles)
 
 
 def _draw_thrust(ax, history, moment):
     """Draw the thrust lines of the parts, broken where a section is under tension, or the thrust
     outside of it."""
-    table = sections_table(history, [moment]).set_index(["part", "place_m"])
-    thrust_lines = {}
-    for section in sections(history):
-        row = table.loc[section.part, section.place]
-        inside = abs(row["eccentricity_m"]) <= row["length_m"] / 2
+    table = sections_table(history, [moment])
+    lines = []
+    for section, row in zip(sections(history), table.itertuples()):
         middle = np.array([(section.left + section.right) / 2, section.place])
-        along = np.array([1.0, 0.0])
+        third = np.array([KERN * row.length_m, 0.0])
         if not section.is_bed:
             middle = middle[::-1]
-            along = along[::-1]
-        third = KERN * row["length_m"] * along
-        thrust = row[["thrust_x_m", "thrust_z_m"]].to_numpy(float) if inside else np.full(2, np.nan)
-        thrust_lines.setdefault(section.part, []).append((thrust, middle - third, middle + third))
-    for lines in thrust_lines.values():
-        thrust, lower, upper = np.moveaxis(np.array(lines), 1, 0)
+            third = third[::-1]
+        inside = abs(row.eccentricity_m) <= row.length_m / 2
+        thrust = (row.thrust_x_m, row.thrust_z_m) if inside else (np.nan, np.nan)
+        lines.append((thrust, middle - third, middle + third))
+    for rows in table.groupby("part").indices.values():
+        thrust, *edges = np.moveaxis(np.array(lines)[rows], 1, 0)
         ax.plot(*thrust.T, color=style.BLACK, lw=0.9, marker=".", ms=2)
-        for edge in (lower, upper):
+        for edge in edges:
             ax.plot(*edge.T, color=style.BLACK, lw=0.5, ls=":")
 
 
@@ -350,29 +298,22 @@ def joint_handles(shape: WallShape) -> list:
     }
     labels |= {"elastic": "elastic, cannot fail"} if shape.elastic.any() else {}
     width = line_width(0.5 * MILLIMETRE, shape.widest_pt)
-    areas = {
-        **{
-            name: ((shape.kinds == kind).any(), style.BODY_COLOURS[kind], "none")
-            for kind, name in style.BODY_WORDS.items()
-        },
-        "supports": (shape.ground_moves, style.GROUND_COLOUR, style.DARK),
-    }
-    return [
-        *(
-            style.line_handle(
-                JOINT_COLOURS[state], label, THIN.get(state, width), DASHES.get(state, "-")
-            )
-            for state, label in labels.items()
-        ),
-        *(
-            style.area_handle(face, label, edge)
-            for label, (is_there, face, edge) in areas.items()
-            if is_there
-        ),
-        *(
-            style.line_handle(style.DARK, label, line_width(mm * MILLIMETRE, shape.widest_pt))
-            for mm, label in legend_widths_mm(shape)
-        ),
+    handles = [
+        style.line_handle(
+            JOINT_COLOURS[state], label, THIN.get(state, width), DASHES.get(state, "-")
+        )
+        for state, label in labels.items()
+    ]
+    handles += [
+        style.area_handle(style.BODY_COLOURS[kind], label, "none")
+        for kind, label in style.BODY_WORDS.items()
+        if (shape.kinds == kind).any()
+    ]
+    if shape.ground_moves:
+        handles.append(style.area_handle(style.GROUND_COLOUR, "supports"))
+    return handles + [
+        style.line_handle(style.DARK, label, line_width(mm * MILLIMETRE, shape.widest_pt))
+        for mm, label in legend_widths_mm(shape)
     ]
 
 
@@ -394,33 +335,34 @@ def index_picture(history: History) -> Figure:
     figure, (above, below) = style.new_figure(3.2, rows=2, sharex=True, height_ratios=(2, 3))
     base = _draw_drive(above, history, time_s)
     lines = _draw_index(below, history.index(), history.index(slip="shear-limit"))
-    lines += below.plot(
-        time_s[sample],
-        largest,
-        "o",
-        color=style.BLACK,
-        ms=3.5,
-        clip_on=False,
-        zorder=5,
-        label=f"maximum {largest:.3f} at {time_s[sample]:.3f} s",
-    )
+    marks = [
+        (sample, largest, "o", style.BLACK, f"maximum {largest:.3f} at {time_s[sample]:.3f} s")
+    ]
     if history.complete:
         residual = history.index()["DI"].iloc[-1]
+        marks.append((-1, residual, "s", "white", f"residual {residual:.3f}"))
+    for at, value, mark, face, label in marks:
         lines += below.plot(
-            time_s[-1],
-            residual,
-            "s",
-            mfc="white",
+            time_s[at],
+            value,
+            mark,
+            mfc=face,
             mec=style.BLACK,
             ms=3.5,
             clip_on=False,
             zorder=5,
-            label=f"residual {residual:.3f}",
+            label=label,
         )
-    style.add_title(figure, history)
+    return finish_over_time(figure, history, (above, below), lines, base)
+
+
+def finish_over_time(figure, history, axes, before, after=(), columns=3, title=()):
+    """Add the title of a History, with further lines, the marks of its times to axes that share
+    them, and a legend: handles before those of the marks, and after; returns the figure."""
+    style.put_title(figure, *style.title_of(history), *title)
     figure.align_ylabels()
-    marks = style.mark_times(history, (above, below))
-    style.legend_below(figure, lines + marks + base, columns=3)
+    marks = style.mark_times(history, axes)
+    style.legend_below(figure, [*before, *marks, *after], columns)
     return figure
 
 
@@ -485,10 +427,7 @@ def drift_picture(history: History) -> Figure:
     ax.plot(history.time_s, drift, color=style.BLUE)
     style.plain_numbers(ax.yaxis)
     ax.set(ylabel=f"drift ratio [{unit}]")
-    style.add_title(figure, history)
-    marks = style.mark_times(history, [ax])
-    style.legend_below(figure, list(handles) + marks, columns=1)
-    return figure
+    return finish_over_time(figure, history, [ax], handles, columns=1)
 
 
 @style.styled
@@ -546,7 +485,7 @@ def hysteresis_picture(history: History) -> Figure:
     ax.set(xlabel=f"drift ratio [{unit}]", ylabel="base shear [kN]")
     ax.locator_params(axis="x", nbins=7)
     style.show_single_points(ax)
-    style.add_title(figure, history)
+    style.put_title(figure, *style.title_of(history))
     lines = [line for line in ax.get_lines() if not line.get_label().startswith("_")]
     style.legend_below(figure, lines if len(lines) > 1 else [], 3)
     return figure
@@ -576,27 +515,18 @@ def energy_picture(history: History) -> Figure:
             )
     above.set_ylabel("energy [J]")
     error = energy_error_of(history)
-    style.add_title(
-        figure,
-        history,
-        *(
-            []
-            if error is None or not np.isfinite(error)
-            else [f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"]
-        ),
-    )
-    scale, unit = (
-        (1.0, "J")
-        if error is None
-        else (100 / energy_scale(known_energies(series[series["stage"] != "settling"])), "%")
-    )
+    title = []
+    scale = 1.0
+    unit = "J"
+    if error is not None:
+        scale = 100 / energy_scale(known_energies(series[series["stage"] != "settling"]))
+        unit = "%"
+        if np.isfinite(error):
+            title = [f"imbalance before settling up to {100 * error:.2g} % of the energy supplied"]
     below.axhline(0, color=style.MEDIUM, lw=0.5)
     below.plot(series["time_s"], imbalance(known_energies(series)) * scale, color=style.BLACK)
     below.set_ylabel(f"imbalance [{unit}]")
-    figure.align_ylabels()
-    marks = style.mark_times(history, (above, below))
-    style.legend_below(figure, above.get_lines()[: len(ENERGIES)] + marks, columns=3)
-    return figure
+    return finish_over_time(figure, history, (above, below), above.get_lines(), title=title)
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -635,10 +565,10 @@ def pictures_of(history: History) -> dict[str, Callable]:
     ['wall_max', 'wall_end', 'index']
     """
     chosen = PICTURES | pictures_beside(history)
-    if "hysteresis" in chosen and not is_moving(history.series).any():
+    if not is_moving(history.series).any():
         del chosen["hysteresis"]
     elif is_pushed(history):
-        chosen["push"] = chosen.pop("hysteresis", hysteresis_picture)
+        chosen["push"] = chosen.pop("hysteresis")
     return chosen
 
 
@@ -716,7 +646,7 @@ def sequence_picture(history: History) -> Figure:
             )
         ]
     )
-    style.add_title(figure, history)
+    style.put_title(figure, *style.title_of(history))
     figure.align_ylabels()
     style.legend_below(figure, [largest, residual, after, bars, *marks], columns=2)
     return figure

@@ -99,11 +99,6 @@ def line_handle(colour, label, width=0.9, line="-", **more):
     return Line2D([], [], color=colour, lw=width, ls=line, label=label, **more)
 
 
-def mark_handle(mark, label):
-    """A mark of a legend."""
-    return Line2D([], [], color=VERMILLION, marker=mark, ls="", ms=4, label=label)
-
-
 def area_handle(face, label, edge=DARK):
     """An area of a legend."""
     return Patch(facecolor=face, edgecolor=edge, linewidth=0.3, label=label)
@@ -173,15 +168,30 @@ def settle_layout(figure):
         figure.get_layout_engine().execute(figure)
 
 
-def add_title(figure, history, *more):
-    """Add a title: wall and motion, premature end of the run, and further lines; the file and the
-    solver are in the metadata.  The figure grows by its height."""
+def fit_column(figure, ratio):
+    """Fit a figure to the width of a column and to its axes in true scale; ratio: height over width
+    of these."""
+    labels = 0.45  # [inch] that ticks and labels take beside and below
+    figure.set_size_inches(COLUMN_WIDTH, min((COLUMN_WIDTH - labels) * ratio, 5.0) + labels)
+
+
+def finish_in_scale(figure, title, handles, columns=3):
+    """Add lines of a title and a legend to a figure in true scale, and return it."""
+    put_title(figure, *title)
+    legend_below(figure, handles, columns)
+    settle_layout(figure)
+    return figure
+
+
+def title_of(history):
+    """Lines of a title: wall and motion, premature end of the run; the file and the solver are in
+    the metadata."""
     lines = [run_title(history)]
     if not history.complete:
         lines.append(f"{history.status}: the run did not come to its end")
     if history.collapsed_at_s is not None:
         lines.append(f"collapsed at {history.collapsed_at_s:.3f} s")
-    put_title(figure, *lines, *more)
+    return lines
 
 
 def put_title(figure, *lines):
@@ -237,13 +247,8 @@ TINY_DRIFT = 1e-5
 def drift_scale(*ratios):
     """Factor on drift ratios (arrays of any shape), and the unit in which their axis needs no power
     of ten."""
-    largest = max(
-        (
-            np.max(np.abs(values[np.isfinite(values)]), initial=0.0)
-            for values in map(np.asarray, ratios)
-        ),
-        default=0.0,
-    )
+    values = np.hstack([0.0, *map(np.ravel, ratios)])
+    largest = np.abs(values[np.isfinite(values)]).max()
     return (1e6, "µm per m") if 0 < largest < TINY_DRIFT else (100.0, "%")
 
 

@@ -145,48 +145,46 @@ SHOCKS = {
 
 def shocks_table(history: History) -> pd.DataFrame:
     """Table of the events of a History, a DataFrame, a row for each event of its sequence; columns:
-    SHOCKS.  Residual values are None of an event without a settling stage.
+    SHOCKS.  Residual values are NaN of an event without a settling stage.
 
     >>> len(shocks_table(history))
     1
     """
     cracks = psi_history(history)
-    rows = []
-    values = index_by_all(history).assign(
-        psi=cracks["psi"], crack_width_mm=cracks["max_width_m"] / MILLIMETRE
-    )
-    offset = np.abs(history.active.offset_m).max(axis=1, initial=0.0) / MILLIMETRE
-    failed = history.states.broken.sum(axis=1)
-    # largest offset [mm], failed contact points
-    before = 0.0, np.nan_to_num(history.static.get("broken_joints", 0))
-    for event, members in history.series.groupby("shock"):
-        settled = members["stage"].iloc[-1] == "settling"
-        end = members.index[-1]
-        row = {
-            "shock": event,
-            "motion": history.event_loadings[event - 1].name,
-            "factor": history.sequence[event - 1],
-            "start_s": members["time_s"].iloc[0],
-            "end_s": members["time_s"].iloc[-1],
-            "max_drift_ratio": members["drift_ratio"].abs().max(),
-            "residual_drift_ratio": members["drift_ratio"].iloc[-1] if settled else None,
+    series = history.series
+    values = pd.DataFrame(
+        {
+            "drift_ratio": series["drift_ratio"],
+            **index_by_all(history),
+            "psi": cracks["psi"],
+            "crack_width_mm": cracks["max_width_m"] / MILLIMETRE,
         }
-        mine = values.loc[members.index]
-        for name in mine:
-            row |= {
-                f"max_{name}": mine[name].max(),
-                f"residual_{name}": mine[name].iloc[-1] if settled else None,
-            }
-        rows.append(
-            row
-            | {
-                "offset_before_mm": before[0],
-                "offset_after_mm": offset[end],
-                "newly_failed": int(failed[end] - before[1]),
-            }
-        )
-        before = offset[end], failed[end]
-    return pd.DataFrame(rows).assign(slip="displacement")
+    )
+    ends = series.groupby("shock").tail(1)
+    last = ends.index
+    largest = values.abs().groupby(series["shock"]).max()
+    residual = values.loc[last].where(ends["stage"] == "settling")
+    offset = np.abs(history.active.offset_m).max(axis=1, initial=0.0)[last] / MILLIMETRE
+    failed = history.states.broken.sum(axis=1)[last]
+    before = int(np.nan_to_num(history.static.get("broken_joints", 0)))
+    return pd.DataFrame(
+        {
+            "shock": ends["shock"].to_numpy(),
+            "motion": [loading.name for loading in history.event_loadings[: len(ends)]],
+            "factor": history.sequence[: len(ends)],
+            "start_s": series.groupby("shock")["time_s"].min().to_numpy(),
+            "end_s": ends["time_s"].to_numpy(),
+            **{
+                f"{kind}_{name}": table[name].to_numpy()
+                for name in values
+                for kind, table in (("max", largest), ("residual", residual))
+            },
+            "offset_before_mm": np.append(0.0, offset[:-1]),
+            "offset_after_mm": offset,
+            "newly_failed": np.diff(failed, prepend=before),
+            "slip": "displacement",
+        }
+    )
 
 
 def _cycles(series, loading):

@@ -15,19 +15,13 @@ from damage.index import COMPONENTS
 
 CRITERIA = {"displacement": "", "accumulated": "accumulated_", "shear-limit": "shear_limit_"}
 """{slip criterion: prefix of a component's name in its columns}."""
-BY_OTHERS = {
-    f"{prefix}{component}": (slip, component)
-    for slip, prefix in CRITERIA.items()
-    if prefix
-    for component in ("DI_slip", "DI")
-}
-"""{column: (criterion, component)} of the components that depend on slip, by the other slip
-criteria."""
 CRITERION_WORDS = {
-    "": "",
+    "": ", slip by displacement",
     "accumulated_": ", slip accumulated",
     "shear_limit_": ", slip by the shear limit",
 }
+OF_SLIP = ("DI_slip", "DI")
+"""Components that depend on slip."""
 COMPONENT_WORDS = {
     "DI": "damage index",
     "DI_drift": "of it by drift",
@@ -39,25 +33,24 @@ SLIP = {"slip": Column("", "criterion of slip in the columns that name none")}
 
 def index_by_all(history):
     """Damage index of a History by all slip criteria: a DataFrame, a row a sample, columns
-    COMPONENTS (slip by displacement), then BY_OTHERS [-]."""
-    index = {slip: history.index(slip=slip) for slip in CRITERIA}
-    return index["displacement"][list(COMPONENTS)].assign(
-        **{name: index[slip][component] for name, (slip, component) in BY_OTHERS.items()}
+    COMPONENTS (slip by displacement), then OF_SLIP by the other criteria [-]."""
+    return pd.concat(
+        [
+            history.index(slip=slip)[list(OF_SLIP if prefix else COMPONENTS)].add_prefix(prefix)
+            for slip, prefix in CRITERIA.items()
+        ],
+        axis=1,
     )
 
 
 def index_columns(kind="", what=""):
     """{column: Column} of `index_by_all`; kind: before the name, what: in the meaning."""
-    plain = {name: ", slip by displacement" * (name in ("DI", "DI_slip")) for name in COMPONENTS}
-    others = {
-        name: CRITERION_WORDS[name.removesuffix(component)]
-        for name, (_, component) in BY_OTHERS.items()
-    }
     return {
-        f"{kind}{name}": Column(
-            "1", f"{what}{COMPONENT_WORDS[BY_OTHERS.get(name, ('', name))[1]]}{slip}"
+        f"{kind}{prefix}{name}": Column(
+            "1", f"{what}{COMPONENT_WORDS[name]}{slip * (name in OF_SLIP)}"
         )
-        for name, slip in (plain | others).items()
+        for prefix, slip in CRITERION_WORDS.items()
+        for name in (OF_SLIP if prefix else COMPONENTS)
     }
 
 

@@ -29,23 +29,20 @@ def warnings_of(history: History) -> list[Warned]:
     >>> [warning.code for warning in warnings_of(history)]
     []
     """
-    if len(history.series) == 0:
-        return [
-            *history.heard,
-            *(Warned("static_stage", text) for text in static_warnings(history)),
-        ]
-    share = elastic_share(history.plan, history.joints, history.bodies)
-    by_code = {
-        "changed_by_hand": changed_warnings(history),
-        "static_stage": static_warnings(history),
-        "energy_balance": energy_warnings(balance_error(history)),
-        "elastic_share": warn_of_share(share),
-        "push_drag": warn_of_drag(history),
-        "ended_joints": warn_of_ends(history),
-        "apex": warn_of_apex(history.plan.wall.joint),
-        "courses": warn_of_courses(history.plan),
-        "slabs": warn_of_slabs(history.plan),
-    }
+    by_code = {"static_stage": static_warnings(history)}
+    if len(history.series):
+        share = elastic_share(history.plan, history.joints, history.bodies)
+        by_code = {
+            "changed_by_hand": changed_warnings(history),
+            **by_code,
+            "energy_balance": energy_warnings(balance_error(history)),
+            "elastic_share": warn_of_share(share),
+            "push_drag": warn_of_drag(history),
+            "ended_joints": warn_of_ends(history),
+            "apex": warn_of_apex(history.plan.wall.joint),
+            "courses": warn_of_courses(history.plan),
+            "slabs": warn_of_slabs(history.plan),
+        }
     return [
         *history.heard,
         *(Warned(code, text) for code, texts in by_code.items() for text in texts),

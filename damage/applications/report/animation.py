@@ -139,7 +139,7 @@ def _shoot(history, snapshots, magnify, writer, path):
     if len(snapshots) > 1:
         lasts_s = np.ptp(history.snapshot_time_s[snapshots])
         caption += f", slowed down {len(snapshots) / FRAMES_PER_S / lasts_s:.2g} times"
-    style.add_title(figure, history, caption)
+    style.put_title(figure, *style.title_of(history), caption)
     style.legend_below(figure, handles, columns=3)
     for _ in range(2):  # the layout finds the place of axes in true scale in its second pass
         figure.draw_without_rendering()
