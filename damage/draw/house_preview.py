@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from damage.draw import style
 from damage.draw.panels import PAGE_WIDTH
-from damage.draw.preview import PAPER, draw_preview, wall_preview
+from damage.draw.preview import CENTRED, draw_preview, wall_preview
 from damage.house.house import outline
 from damage.wall.geometry import body_table, joint_table
 from damage.wall.kinds import SLAB_COURSE, TINY
@@ -45,22 +45,23 @@ def house_preview(layout):
     figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
     cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
     handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
-    bodies = body_table(layout)
-    joints = joint_table(layout)
+    body_wall = layout.body_wall
+    joint_wall = layout.joint_wall[:n]
+    bodies = body_table(layout).assign(x_m=layout.bodies.x - layout.left[body_wall])
+    joints = joint_table(layout).assign(x_m=layout.contacts.x[:n] - layout.left[joint_wall])
+    is_slab = layout.bodies.course == SLAB_COURSE
+    slabs = bodies[is_slab].sort_values("z_m")
     middle = np.abs(layout.y[:n]) < TINY
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
-        on_wall = middle & (layout.joint_wall[:n] == number)
-        in_wall = (layout.body_wall == number) & (bodies["course"] != SLAB_COURSE).to_numpy()
-        tables = [
-            table.assign(x_m=table["x_m"] - layout.left[number])
-            for table in (bodies[in_wall], joints[on_wall])
-        ]
-        slabs = bodies[bodies["course"] == SLAB_COURSE].sort_values("z_m")
-        slabs = slabs[[wall.name in slab.walls for slab in concrete]]
-        slabs = slabs.assign(x_m=wall.length / 2, length_m=wall.length)
-        tables[0] = pd.concat([tables[0], slabs])
-        labels, _ = draw_preview(ax, plan_of(wall, layout.options), *tables)
+        on_wall = slabs[[wall.name in slab.walls for slab in concrete]]
+        on_wall = on_wall.assign(x_m=wall.length / 2, length_m=wall.length)
+        labels, _ = draw_preview(
+            ax,
+            plan_of(wall, layout.options),
+            pd.concat([bodies[(body_wall == number) & ~is_slab], on_wall]),
+            joints[middle & (joint_wall == number)],
+        )
         handles |= {handle.get_label(): handle for handle in labels}
         ax.set_title(wall.name, loc="left", fontsize="medium")
         ax.label_outer()
@@ -98,7 +99,7 @@ def _draw_plan(ax, house):
     middle = (low + high) / 2
     way = 0.15 * np.ptp(corners[..., 0]) * np.array([np.cos(turn), np.sin(turn)])
     ax.annotate("", middle + way, middle - way, arrowprops=ARROW | {"color": style.BLUE})
-    ax.text(*middle, "motion", color=style.BLUE, ha="center", va="center", bbox=PAPER)
+    ax.text(*middle, "motion", color=style.BLUE, **CENTRED)
     margin = 0.05 * (high - low).max()
     ax.set(
         xlim=(low[0] - margin, high[0] + margin),
@@ -136,7 +137,7 @@ def _draw_wall(ax, placed):
     start = placed.origin + 0.08 * wall.length * along
     middle = placed.origin + wall.length / 2 * along
     turn = 90 - (90 - placed.direction) % 180  # from -90, left out, to 90
-    ax.text(*middle, wall.name, ha="center", va="center", rotation=turn, bbox=PAPER)
+    ax.text(*middle, wall.name, rotation=turn, **CENTRED)
     ax.annotate("", start + 0.12 * wall.length * along, start, arrowprops=ARROW)
 
 

@@ -44,14 +44,8 @@ def motion_picture(loading, measures):
     spectrum.set_xticks(LABELLED_S, list(map("{:g}".format, LABELLED_S)))
     from_zero(spectrum)
     letter(spectrum, 2, f"spectrum, {100 * DAMPING:g} % damping; points as printed")
-    steps = preparation(
-        measures["scale"],
-        measures["window_s"],
-        measures["baseline_order"],
-        measures["band_hz"],
-        measures["interpolated_for_s"],
-    )
-    steps = ", ".join(steps if measures["band_hz"] else [*steps, "not filtered"])
+    unfiltered = [] if loading.band_hz else ["not filtered"]
+    steps = ", ".join([*preparation(loading), *unfiltered])
     put_title(figure, f"{record_label(loading.record.name)}: {steps}")
     return figure
 

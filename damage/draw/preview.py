@@ -14,7 +14,19 @@ TONNE = KILO = 1e3
 GROUND_DEPTH = 0.06  # of the wall's height, drawn
 HIGHEST_NAME = 6  # most courses above an opening over which the name of its spandrel is centred
 PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+CENTRED = {"ha": "center", "va": "center", "bbox": PAPER}
 NARROW = 0.14  # of the wall's length, below which the size of an opening is written upwards
+
+
+WORDS = {
+    "bricks": "bricks",
+    "masses": "rigid masses",
+    "slabs": "concrete floors",
+    "lintels": "lintels",
+}
+"""{kind of bodies: words of the legend}."""
+EDGES = {"bricks": "0.55", "lintels": style.BODY_COLOURS["lintels"]}
+"""{kind: colour of edges} where that is not dark: segments of a lintel have none between them."""
 
 
 @style.styled
@@ -38,23 +50,15 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
     corners = body_corners(bodies)
     kinds = kinds_of_bodies(bodies["course"])
     elastic = joints["elastic"].to_numpy(bool) & (joints["kind"] != "brick").to_numpy()
-    for kind, face in style.BODY_COLOURS.items():
-        style.add_bodies(ax, corners[kinds == kind], face, _edge(kind))
-    style.add_lines(ax, tributary_ends(joints[elastic]), style.GREEN, 0.6)
+    handles = []
+    for kind, label in WORDS.items():
+        if (kinds == kind).any():
+            colours = style.BODY_COLOURS[kind], EDGES.get(kind, style.DARK)
+            style.add_bodies(ax, corners[kinds == kind], *colours)
+            handles.append(style.area_handle(colours[0], label, colours[1]))
     support = "support" if len(supports) < 2 else f"{len(supports)} supports"
-    handles = [
-        style.area_handle(style.BRICK_COLOUR, "bricks", _edge("bricks")),
-        style.area_handle(style.GROUND_COLOUR, support),
-    ]
-    handles += [
-        style.area_handle(style.BODY_COLOURS[kind], label, _edge(kind))
-        for kind, label in (
-            ("masses", "rigid masses"),
-            ("slabs", "concrete floors"),
-            ("lintels", "lintels"),
-        )
-        if (kinds == kind).any()
-    ]
+    handles.insert(1, style.area_handle(style.GROUND_COLOUR, support))
+    style.add_lines(ax, tributary_ends(joints[elastic]), style.GREEN, 0.6)
     if elastic.any():
         handles.append(style.line_handle(style.GREEN, "elastic joints (lintel)", 0.6))
     if wall.outline:
@@ -69,7 +73,7 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
     _name_parts(ax, plan)
     points = np.vstack([corners.reshape(-1, 2), *([wall.outline] if wall.outline else [])])
     highest = points[:, 1].max()
-    margin = 0.03 * max(wall.length, points[:, 1].max())
+    margin = 0.03 * max(wall.length, highest)
     ax.set(
         xlim=(-margin, wall.length + margin),
         ylim=(-depth, highest + 1.5 * margin),
@@ -94,11 +98,6 @@ def title_of(wall, bodies, joints):
             else "no precompression"
         ),
     )
-
-
-def _edge(kind):
-    """Colour of the edges of bodies of a kind: the segments of a lintel have none between them."""
-    return {"bricks": "0.55", "lintels": style.BODY_COLOURS["lintels"]}.get(kind, style.DARK)
 
 
 def _draw_floors(ax, plan):
@@ -136,10 +135,8 @@ def _size_openings(ax, plan):
             f"{part.length:.4g} x {high - low:.4g}{sill}",
             color=style.DARK,
             fontsize="small",
-            ha="center",
-            va="center",
             rotation=90 * upright,
-            bbox=PAPER,
+            **CENTRED,
         )
 
 
@@ -147,14 +144,7 @@ def _name_parts(ax, plan):
     """P1, P2 ... on the piers of each row of openings, from the base upwards, S1, S2 ... on the
     spandrels above."""
     h = plan.wall.brick.height
-    named = {
-        "color": style.BLUE,
-        "fontsize": "medium",
-        "ha": "center",
-        "va": "center",
-        "fontweight": "bold",
-        "bbox": PAPER,
-    }
+    named = CENTRED | {"color": style.BLUE, "fontsize": "medium", "fontweight": "bold"}
     piers = [(course, run) for course in _pier_courses(plan) for run in plan.runs[course]]
     for number, (course, (left, right)) in enumerate(piers, start=1):
         ax.text((left + right) / 2, (course + 0.5) * h, f"P{number}", **named)

@@ -224,8 +224,7 @@ def draw_wall(ax: Axes, shape: WallShape) -> float:
     """Draw a WallShape in true scale; returns height over width of the axes."""
     for kind, colour in style.BODY_COLOURS.items():
         corners = shape.corners[shape.kinds == kind]
-        edge = "0.75"
-        edge = colour if kind == "lintels" else edge
+        edge = colour if kind == "lintels" else "0.75"
         style.add_bodies(ax, corners, colour, edge, 0.2, label=kind, zorder=1)
     for layer, state in enumerate(DRAWN, start=2):
         chosen = shape.select(state)
@@ -388,16 +387,17 @@ def _draw_drive(ax, history, time_s):
 def _draw_index(ax, index, latched):
     """Draw DI and its components with two slip criteria; returns the lines in legend order."""
     time_s = index["time_s"]
+    shown = {
+        "DI_drift": (r"DI$_\mathrm{drift}$", style.GREEN, None),
+        "DI_open": (r"DI$_\mathrm{open}$", style.ORANGE, None),
+        "DI_slip": (r"DI$_\mathrm{slip}$", style.BLUE, None),
+        "DI": ("DI", style.BLACK, 1.3),
+    }
     lines = []
-    for name, colour in (("drift", style.GREEN), ("open", style.ORANGE), ("slip", style.BLUE)):
-        lines += ax.plot(
-            time_s, index[f"DI_{name}"], color=colour, label=rf"DI$_\mathrm{{{name}}}$"
-        )
-    lines += ax.plot(time_s, index["DI"], color=style.BLACK, lw=1.3, label="DI")
-    for name, label, colour in (
-        ("DI", "DI", style.BLACK),
-        ("DI_slip", r"DI$_\mathrm{slip}$", style.BLUE),
-    ):
+    for name, (label, colour, width) in shown.items():
+        lines += ax.plot(time_s, index[name], color=colour, lw=width, label=label)
+    for name in ("DI", "DI_slip"):
+        label, colour, _ = shown[name]
         how = {"color": colour, "lw": 0.6, "ls": "--", "zorder": 1.5}
         lines += ax.plot(time_s, latched[name], label=f"{label}, shear limit", **how)
     top = np.maximum(index["DI"], latched["DI"]).max()
@@ -600,25 +600,15 @@ def sequence_picture(history: History) -> Figure:
     """
     table = shocks_table(history)
     series = history.series
-    figure, (base, psi, index, offset, failed) = style.new_figure(
-        2.0 * style.COLUMN_WIDTH, 5, sharex=True
-    )
+    figure, axes = style.new_figure(2.0 * style.COLUMN_WIDTH, 5, sharex=True)
+    base, psi, index, offset, failed = axes
     base.plot(
         series["time_s"], series["base_acceleration_x_m_s2"] / GRAVITY, color=style.BLACK, lw=0.4
     )
-    base.set_ylabel("base [g]")
-    letter(base, 0, f"{len(table)} events")
-    for number, (ax, name, label, heading) in enumerate(
-        ((psi, "psi", r"$\Psi$ [-]", "Psi of the cracks"), (index, "DI", "DI [-]", "damage index")),
-        1,
-    ):
+    for ax, name in ((psi, "psi"), (index, "DI")):
         largest = _steps(ax, table, f"max_{name}", "largest in the event", style.MEDIUM, line="--")
         residual = _steps(ax, table, f"residual_{name}", "at rest after it", style.BLACK)
-        ax.set_ylabel(label)
-        letter(ax, number, heading)
     after = _steps(offset, table, "offset_after_mm", "largest offset at rest", style.BLUE)
-    offset.set_ylabel("offset [mm]")
-    letter(offset, 3, "offset of the joints")
     bars = failed.bar(
         table["start_s"],
         table["newly_failed"],
@@ -629,11 +619,20 @@ def sequence_picture(history: History) -> Figure:
         lw=0.3,
         label="newly failed",
     )
-    failed.set(ylabel="contact points", xlabel="time [s]")
-    letter(failed, 4, f"newly failed contact points, {int(table['newly_failed'].sum())} in all")
-    for ax in (psi, index, offset, failed):
-        from_zero(ax)
-    for ax in (base, psi, index, offset, failed):
+    failed.set_xlabel("time [s]")
+    n_failed = int(table["newly_failed"].sum())
+    panels = (
+        ("base [g]", f"{len(table)} events"),
+        (r"$\Psi$ [-]", "Psi of the cracks"),
+        ("DI [-]", "damage index"),
+        ("offset [mm]", "offset of the joints"),
+        ("contact points", f"newly failed contact points, {n_failed} in all"),
+    )
+    for number, (ax, (label, heading)) in enumerate(zip(axes, panels)):
+        ax.set_ylabel(label)
+        letter(ax, number, heading)
+        if ax is not base:
+            from_zero(ax)
         ax.margins(x=0)
         for start in table["start_s"]:
             ax.axvline(start, color="0.88", lw=0.4, zorder=0)

@@ -172,29 +172,19 @@ def _record_words(loading):
     if record is None:
         return f"record {loading.name}"
     vertical = [] if loading.vertical is None else ["with its vertical component"]
-    return ", ".join(
-        [
-            f"record {record_label(record)}",
-            *vertical,
-            *preparation(
-                loading.scale,
-                loading.window_s,
-                loading.baseline_order,
-                loading.band_hz,
-                loading.interpolated_for_s,
-            ),
-        ]
-    )
+    return ", ".join([f"record {record_label(record)}", *vertical, *preparation(loading)])
 
 
-def preparation(scale, window_s, baseline_order, band_hz, interpolated_for_s):
-    """Texts of the processing steps of a record, a list; scale: None or 1 without scaling."""
+def preparation(loading):
+    """Texts of the processing steps of a Recorded or a `RecordedMotion`, a list."""
     parts = [
-        "" if scale in (None, 1) else f"times {scale:g}",
-        "" if window_s is None else "{:g} to {:g} s of the file".format(*window_s),
-        "" if baseline_order is None else f"baseline of order {baseline_order} removed",
-        "" if band_hz is None else "band-pass {:g} to {:g} Hz".format(*band_hz),
-        "" if interpolated_for_s is None else "interpolated",
+        "" if loading.scale in (None, 1) else f"times {loading.scale:g}",
+        "" if loading.window_s is None else "{:g} to {:g} s of the file".format(*loading.window_s),
+        ""
+        if loading.baseline_order is None
+        else f"baseline of order {loading.baseline_order} removed",
+        "" if loading.band_hz is None else "band-pass {:g} to {:g} Hz".format(*loading.band_hz),
+        "" if loading.interpolated_for_s is None else "interpolated",
     ]
     return [part for part in parts if part]
 

@@ -106,13 +106,10 @@ def cycles_table(history: History) -> pd.DataFrame:
                     "start_s": start,
                     "end_s": end,
                     "duration_s": end - start,
+                    **within.add_prefix("max_"),
+                    **so_far.add_prefix("cumulative_max_"),
+                    "slip": "displacement",
                 }
-                | {f"max_{name}": within[name] for name in values if name != "time_s"}
-                | {
-                    f"cumulative_max_{name}": so_far[name]
-                    for name in ("DI", "accumulated_DI", "shear_limit_DI")
-                }
-                | {"slip": "displacement"}
             )
     return pd.DataFrame(rows, columns=list(CYCLES))
 

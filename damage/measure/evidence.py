@@ -16,8 +16,8 @@ from damage.measure.pushed import hand_capacities
 from damage.units import MILLIMETRE
 
 PLACE = "docs/model/validity.md"
-PERCENT = 0.01
-MEGA = 1e6
+SIZES = {"%": 0.01, "MPa": 1e6}
+"""{unit of limits: its size} where that is not the unit of a run's numbers."""
 _ROUNDING = 1e-6
 """Share of a limit [-] up to which a value beyond it is rounding: that of inputs
 (`damage.rounded`), of which a push to 0.3 % and motions have up to a tenth."""
@@ -28,7 +28,7 @@ class Quantity(NamedTuple):
 
     evidence, beyond: Markdown, what supports it and what is known outside; supported: in words,
     {range} for the limits; value: function of what `evidence_for` knows of a run, in SI units, None
-    where no run can be judged; least, most: limits in `unit`, whose size in SI units is `size`.
+    where no run can be judged; least, most: limits in `unit`, of a size of SIZES.
     """
 
     name: str
@@ -39,7 +39,6 @@ class Quantity(NamedTuple):
     least: float = 0.0
     most: float = math.inf
     unit: str = ""
-    size: float = 1.0
 
     @property
     def range(self):
@@ -59,14 +58,12 @@ class Quantity(NamedTuple):
         """{"value", "least", "most", "unit", "inside"} of a run; value and inside None where the
         quantity does not apply."""
         value = self.value(run)
-        shown = None if value is None else float(value) / self.size
-        inside = (
-            None
-            if value is None
-            else bool(self.least * (1 - _ROUNDING) <= shown <= self.most * (1 + _ROUNDING))
-        )
+        inside = None
+        if value is not None:
+            value = float(value) / SIZES.get(self.unit.partition(" ")[0], 1.0)
+            inside = self.least * (1 - _ROUNDING) <= value <= self.most * (1 + _ROUNDING)
         return {
-            "value": shown,
+            "value": value,
             "least": self.least,
             "most": self.most,
             "unit": self.unit,
@@ -173,7 +170,6 @@ QUANTITIES = (
         value=_result("max_drift_across_ratio"),
         most=0.0,
         unit="%",
-        size=PERCENT,
     ),
     Quantity(
         "vertical components of the motion",
@@ -192,7 +188,6 @@ QUANTITIES = (
         value=_result("max_drift_ratio"),
         most=0.3,
         unit="%",
-        size=PERCENT,
     ),
     Quantity(
         "slip of a joint",
@@ -227,7 +222,6 @@ QUANTITIES = (
         least=0.3,
         most=0.9,
         unit="MPa",
-        size=MEGA,
     ),
     Quantity(
         "precompression of dry joints",
@@ -236,10 +230,8 @@ QUANTITIES = (
         beyond="at 1 MPa, dry stone walls peak "
         "[57 % too high](../validation/dry-joints.md) unless stones split",
         value=lambda run: run.stress if run.dry else None,
-        least=0.0,
         most=0.15,
         unit="MPa",
-        size=MEGA,
     ),
     Quantity(
         "length",
@@ -283,7 +275,6 @@ QUANTITIES = (
         least=0.15,
         most=0.24,
         unit="MPa",
-        size=MEGA,
     ),
     Quantity(
         "tan(phi)",
@@ -301,7 +292,6 @@ QUANTITIES = (
         value=_shear_share,
         most=50.0,
         unit="% of failed contact points",
-        size=PERCENT,
     ),
     Quantity(
         "cohesion at which a bed joint slides before steps form",
@@ -314,7 +304,6 @@ QUANTITIES = (
         value=_deciding_cohesion,
         most=35.0,
         unit="% of the mean",
-        size=PERCENT,
     ),
     Quantity(
         "split or crushed length",
@@ -386,7 +375,6 @@ QUANTITIES = (
         value=_result("energy_error_fraction"),
         most=100 * ENERGY_ERROR,
         unit="%",
-        size=PERCENT,
     ),
     Quantity(
         "base",
@@ -425,10 +413,10 @@ def names_outside(text):
     ... }
     True
     """
-    # the longest first: "drift" begins "drift across the wall", too
-    names = sorted((quantity.name for quantity in QUANTITIES), key=len, reverse=True)
+    names = [quantity.name for quantity in QUANTITIES]
+    # the longest: "drift" begins "drift across the wall", too
     return {
-        next(name for name in names if part.startswith(f"{name} "))
+        max((name for name in names if part.startswith(f"{name} ")), key=len)
         for part in filter(None, text.split("; "))
     }
 

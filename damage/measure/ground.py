@@ -4,8 +4,7 @@ motion of the base."""
 import numpy as np
 
 from damage.history.schema import Column, measure
-from damage.index import DRIFT_LIMIT, THRESHOLD
-from damage.measure.cracks import PSI_FROM, psi_history
+from damage.measure.cracks import psi_history
 from damage.units import MILLIMETRE
 
 _EQUALLY = 0.999
@@ -29,9 +28,7 @@ _EQUALLY = 0.999
         ),
     }
 )
-def settlement_measures(
-    history, threshold=THRESHOLD, drift_limit=DRIFT_LIMIT, slip="displacement", psi_from=PSI_FROM
-):
+def settlement_measures(history, threshold, drift_limit, slip, psi_from):
     """Settlement and damage of a History at the end of the settlement stage; arguments: of
     `damage.measure.summary.summarise`."""
     settlement = np.flatnonzero(history.series["stage"] == "settlement")
@@ -74,12 +71,11 @@ def edges_of(history, sample):
     a sample, two arrays (n,) [m]."""
     left, right = (history.supports[name].to_numpy() for name in ("left_m", "right_m"))
     motion = history.support_displacement[sample].astype(float)
-    half = (right - left) / 2
-    side = np.array([[-1.0], [0.0], [1.0]])
-    x = (left + right) / 2 + side * half
-    up = motion[:, 1] + side * half * np.sin(motion[:, 2])
-    order = np.argsort(x.T.ravel(), kind="stable")
-    return x.T.ravel()[order], up.T.ravel()[order]
+    arm = (right - left)[:, np.newaxis] / 2 * [-1.0, 0.0, 1.0]
+    x = ((left + right) / 2)[:, np.newaxis] + arm
+    up = motion[:, 1:2] + arm * np.sin(motion[:, 2:])
+    order = np.argsort(x, axis=None, kind="stable")
+    return x.ravel()[order], up.ravel()[order]
 
 
 def distortion(x, up):

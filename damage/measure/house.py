@@ -113,7 +113,7 @@ def corner_joints(history):
 def corners_table(history):
     """Opening, offset and failed bonds of the corners of a house over time, a DataFrame; columns:
     CORNERS."""
-    contacts = history.contacts.with_any("state", "opening_m", "offset_m")
+    contacts = history.contacts
     tables = []
     for walls, joints in corner_joints(history).items():
         in_corner = np.isin(contacts.joints, joints)

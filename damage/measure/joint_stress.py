@@ -74,33 +74,18 @@ def sections(history):
         sections += [
             Section(f"pier {number}", left, right, True, *row) for row in _by_place(z, inside)
         ]
-    for number, lintel in enumerate(
-        (place for place in history.plan.lintels if place.lintel.kind == "arch"), 1
-    ):
-        upright = ~is_bed & _in_arch(history, lintel)
-        points = np.flatnonzero(upright)
-        low = z[points].min()
-        high = z[points].max()
+    course = np.append(history.bodies["course"], 0)  # the last one of the ground
+    bodies = np.maximum(joints[["first_body", "second_body"]].to_numpy(), -1)
+    upright = (course[bodies] == ARCH_COURSE).any(axis=1) & ~is_bed
+    arches = [place for place in history.plan.lintels if place.lintel.kind == "arch"]
+    for number, arch in enumerate(arches, 1):
+        inside = upright & (x > arch.left - _SAME) & (x < arch.right + _SAME)
+        low = z[inside].min()
+        high = z[inside].max()
         sections += [
-            Section(f"arch {number}", low, high, False, *row) for row in _by_place(x, upright)
+            Section(f"arch {number}", low, high, False, *row) for row in _by_place(x, inside)
         ]
     return sections
-
-
-def _in_arch(history, lintel):
-    """Flags (n_joints,) of the contact points of an arch's bricks, whose place is a
-    damage.wall.lintels.LintelPlace."""
-    joints = history.joints
-    course = history.bodies["course"].to_numpy()
-    first, second = (joints[f"{side}_body"].to_numpy() for side in ("first", "second"))
-    of_arch = (course[np.maximum(first, 0)] == ARCH_COURSE) & (first >= 0) | (
-        course[second] == ARCH_COURSE
-    )
-    return (
-        of_arch
-        & (joints["x_m"] > lintel.left - _SAME)
-        & (joints["x_m"] < lintel.right + _SAME).to_numpy()
-    )
 
 
 def _by_place(places, chosen):

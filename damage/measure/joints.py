@@ -10,39 +10,25 @@ from types import SimpleNamespace
 import numpy as np
 
 from damage.history.schema import Column, measure
-from damage.wall.kinematics import slide_limits as limits_of
-
-
-def slide_limits(joints, bodies):
-    """Offsets (least, most) at which the faces of a joint cease to overlap, (n_joints,) each [m];
-    infinite on supports.
-
-    joints, bodies: tables of a History.
-    """
-    rectangles = SimpleNamespace(
-        **{name: bodies[f"{name}_m"].to_numpy() for name in ("x", "z", "length", "height")}
-    )
-    return limits_of(
-        *(joints[f"{side}_body"].to_numpy() for side in ("first", "second")),
-        (joints["kind"] != "bed").to_numpy(),
-        rectangles,
-    )
+from damage.wall.kinematics import slide_limits
 
 
 def offset_over_overlap(history):
     """Largest ratio of the offset of a contact point to that at which the faces of its joint cease
-    to overlap.
-
-    Returns (ratio [-], row of the contact point, sample), or None for a history without failed
-    joints.
-    """
+    to overlap [-]; zero of a history without failed joints."""
     active = history.active
-    if active.offset_m.size == 0:
-        return None
-    least, most = (limit[active.joints] for limit in slide_limits(history.joints, history.bodies))
+    joints = history.joints.iloc[active.joints]
+    rectangles = SimpleNamespace(
+        **{name: history.bodies[f"{name}_m"].to_numpy() for name in ("x", "z", "length", "height")}
+    )
+    least, most = slide_limits(
+        joints["first_body"].to_numpy(),
+        joints["second_body"].to_numpy(),
+        (joints["kind"] != "bed").to_numpy(),
+        rectangles,
+    )
     share = np.maximum(active.offset_m / most, active.offset_m / least)
-    sample, place = np.unravel_index(np.argmax(share), share.shape)
-    return float(share[sample, place]), int(active.joints[place]), int(sample)
+    return float(share.max(initial=0.0))
 
 
 def ended_joints(history):
@@ -86,17 +72,13 @@ def with_bond(history):
 def motions_of_faces(history):
     """Largest motions of the faces of a History's joints, zero where nothing failed, and how many
     have ended."""
+    active = history.active
     opening, slip, offset = (
-        _largest(frames) * 1e3
-        for frames in (history.active.opening_m, history.active.slip_m, history.active.offset_m)
+        float(np.abs(frames).max(initial=0.0)) * 1e3
+        for frames in (active.opening_m, active.slip_m, active.offset_m)
     )
-    share = (offset_over_overlap(history) or [0.0])[0]
-    return opening, slip, offset, share, (ended_joints(history) or [0])[0]
-
-
-def _largest(frames):
-    """Largest absolute value of frames (n_times, n), zero where they are empty."""
-    return float(max(frames.max(initial=0.0), -frames.min(initial=0.0)))
+    ended, *_ = ended_joints(history) or [0]
+    return opening, slip, offset, offset_over_overlap(history), ended
 
 
 @measure(

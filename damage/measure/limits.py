@@ -26,12 +26,10 @@ class DamageClasses:
     def description(self):
         """Text: the classes with the bounds between them, then the source."""
         unit, factor = {"drift": (" %", 100), "psi": ("", 1), "width": (" mm", 1)}[self.measure]
-        bounds = [f"{factor * bound:.4g}{unit}" for bound in self.bounds]
-        parts = [
-            self.classes[0],
-            *(word for pair in zip(bounds, self.classes[1:]) for word in pair),
-        ]
-        return f"{', '.join(parts)}; {self.source}"
+        words = self.classes[0]
+        for bound, upper in zip(self.bounds, self.classes[1:]):
+            words += f", {factor * bound:.4g}{unit}, {upper}"
+        return f"{words}; {self.source}"
 
     def classify(self, value):
         """Name of the damage class of a value [-], of a width [mm]; None for None.

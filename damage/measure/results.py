@@ -4,7 +4,6 @@ corners of a house.
 Each result has one label, one unit and one denominator everywhere.
 """
 
-from types import MappingProxyType
 from typing import NamedTuple
 
 import pandas as pd
@@ -158,11 +157,11 @@ def value_in(summary, column):
     return (index or {}).get(component, summary.get(column))
 
 
-def line_of(result, value, residual=None, known=MappingProxyType({"whole": ""})):
+def line_of(result, value, residual=None, known=None):
     """A Result as a line for people: label, value, residual, unit, and what it is of, with what
     else is known of the run."""
     rest = "" if residual is None else result.shown(residual)
-    unit = " ".join(filter(None, (result.unit, result.remark.format(**known))))
+    unit = " ".join(filter(None, (result.unit, result.remark.format(**known or {"whole": ""}))))
     return f"{result.label:22s}{result.shown(value):>9s} {rest:>9s}  {unit}".rstrip()
 
 

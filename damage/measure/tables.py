@@ -127,29 +127,25 @@ def joints_table(history):
     )
     if history.house is None:
         table = table.assign(y_m=0.0, share=1.0)
-    active = history.active
-    states = history.states
+    contacts = history.contacts
 
-    def column(contacts, values):
-        """A column for all contact points: values (n,) of these Contacts, zero of the others."""
-        whole = np.zeros(len(table), values.dtype)
-        whole[contacts.joints] = values
-        return whole
+    def whole(values):
+        """A column for all contact points: values (n,) of `contacts`, zero of the others."""
+        column = np.zeros(len(table), values.dtype)
+        column[contacts.joints] = values
+        return column
 
-    opening = active.opening_m
-    slip = active.slip_m
-    offset = active.offset_m
     return table.assign(
-        final_opening_m=column(active, opening[-1]),
-        max_opening_m=column(active, opening.max(axis=0)),
-        final_slip_m=column(active, slip[-1]),
-        max_abs_slip_m=column(active, np.abs(slip).max(axis=0)),
-        broken=column(states, states.broken[-1]),
-        at_shear_limit=column(states, states.at_limit[-1]),
-        crushed=column(states, states.crushed[-1]),
-        ended=column(states, states.ended[-1]),
-        final_offset_m=column(active, offset[-1]),
-        max_abs_offset_m=column(active, np.abs(offset).max(axis=0)),
+        final_opening_m=whole(contacts.opening_m[-1]),
+        max_opening_m=whole(contacts.opening_m.max(axis=0)),
+        final_slip_m=whole(contacts.slip_m[-1]),
+        max_abs_slip_m=whole(np.abs(contacts.slip_m).max(axis=0)),
+        broken=whole(contacts.broken[-1]),
+        at_shear_limit=whole(contacts.at_limit[-1]),
+        crushed=whole(contacts.crushed[-1]),
+        ended=whole(contacts.ended[-1]),
+        final_offset_m=whole(contacts.offset_m[-1]),
+        max_abs_offset_m=whole(np.abs(contacts.offset_m).max(axis=0)),
     )
 
 

@@ -45,7 +45,7 @@ _START_UTC = re.compile(
 )
 """Start of the time column in a comment."""
 _TIME = re.compile(r"(?:time|t) *[ _\[(] *(?:s|sec|seconds?) *[\])]?")
-_ACCELERATION = re.compile(r"(?:a|acc|accel|acceleration) *[ _\[(] *(.+?) *[\])]?")
+_ACCELERATION = re.compile(r"(?:a|acc|accel|acceleration)(?: *[ _\[(] *(.+?) *[\])]?)?")
 _DECIMAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+|\d+,\d+)(?:[eEdD][-+]?\d+)?")
 """A number with a decimal point or a decimal comma."""
 _FORTRAN = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+)(?:[eEdD][-+]?\d+|[-+]\d{3}(?![\d.]))?")
@@ -119,7 +119,7 @@ def read_columns(path, lines, unit=None, sample_step_s=None):
         )
     named_by = header or _comment_above(lines, rows[0][0])
     named = _named_unit(named_by[1], separator, alone)
-    if header and not named and not (unit and _names_no_unit(header[1], separator, alone)):
+    if header and not named and not (unit and named == ""):
         raise bad_line(
             path,
             *header,
@@ -160,36 +160,25 @@ def _comment_above(lines, first):
     return number, lines[number - 1]
 
 
-def _names_no_unit(header, separator, alone):
-    """Whether a header names time and acceleration and no unit of the latter.
-
-    >>> _names_no_unit("time,acc", ",", False), _names_no_unit("time_s,acc_kn", ",", False)
-    (True, False)
-    """
-    *time, acceleration = _names(header, separator, alone)
-    of_time = alone or (len(time) == 1 and (time[0] in ("t", "time") or _TIME.fullmatch(time[0])))
-    return bool(of_time) and acceleration in ("a", "acc", "accel", "acceleration")
-
-
-def _names(header, separator, alone):
-    """Names of the columns of a header."""
-    # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
-    between = re.escape(separator) if separator else r"\s+(?=[A-Za-z])"
-    names = [header] if alone else re.split(between, header.strip(" \t#,;"))
-    return [name.strip(' "\t#').lower() for name in names]
-
-
 def _named_unit(header, separator, alone):
-    """The unit that a header names, one of UNITS_M_S2, or None; alone: of a single column.
+    """The unit that a header names, one of UNITS_M_S2, or "" where it names time and acceleration
+    without; None of any other line.  alone: of a single column.
 
     >>> _named_unit("# time [s]; acc [cm/s2]", ";", False), _named_unit("n-s (g)", ",", True)
     ('cm_s2', None)
+    >>> _named_unit("time,acc", ",", False), _named_unit("time_s,acc_kn", ",", False)
+    ('', None)
     """
-    *time, acceleration = _names(header, separator, alone)
-    of_time = alone or (len(time) == 1 and _TIME.fullmatch(time[0]))
+    # where blanks separate them, the next column begins with a letter: "time [s]  acc [g]"
+    between = re.escape(separator) if separator else r"\s+(?=[A-Za-z])"
+    names = [header] if alone else re.split(between, header.strip(" \t#,;"))
+    *time, acceleration = (name.strip(' "\t#').lower() for name in names)
     match = _ACCELERATION.fullmatch(acceleration)
-    unit = _plain_unit(match[1]) if of_time and match else None
-    return unit if unit in UNITS_M_S2 else None
+    if not match or (not alone and len(time) != 1):
+        return None
+    unit = _plain_unit(match[1] or "")
+    of_time = all(_TIME.fullmatch(name) or (not unit and name in ("t", "time")) for name in time)
+    return unit if of_time and unit in ("", *UNITS_M_S2) else None
 
 
 def taken_unit(path, header, named, given):

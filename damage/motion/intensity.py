@@ -205,8 +205,8 @@ def rested(record: Record, rest_s: float) -> Record:
     >>> len(rested(Record("pulse", 0.01, np.ones(11)), 0.1).acceleration_m_s2)
     22
     """
-    rest = np.zeros(math.ceil(rest_s / record.time_step_s) + 1)
-    return replace(record, acceleration_m_s2=np.concatenate((record.acceleration_m_s2, rest)))
+    more = math.ceil(rest_s / record.time_step_s) + 1
+    return replace(record, acceleration_m_s2=np.pad(record.acceleration_m_s2, (0, more)))
 
 
 def arias_m_s(record: Record) -> float:

@@ -85,13 +85,13 @@ SINE_SAMPLES = 400
 class Loading:
     """Base of all loadings; its values are those of one that prescribes nothing.
 
+    kind: word by which a history tells them apart;
     drive: what it prescribes on a wall, a Drive, whose base moves by base_acceleration; duration_s:
     of the base's motion [s]; cycle_edges_s: where the motion's own cycles begin and end, (k,) [s];
     peak_g: largest acceleration of the base [g]; pga_g, sa_02_s_g: peak and 5 % spectral
     acceleration at 0.2 s [g] of the base along the wall, None where unknown; record_pga_g: peak of
     a record before it was interpolated for a wall [g]; lost_by_lines: of an interpolated record,
-    else None; moves: whether there is a motion at all. Every one has a name, too, and as_dict():
-    everything that defines the motion, fit for JSON.
+    else None; moves: whether there is a motion at all.
 
     >>> swing = FreeVibration(top_velocity_m_s=0.01)
     >>> swing.name, swing.drive.first_mode_m_s, swing.length_s(2.7), swing.preferred_step_s(1e-4)
@@ -100,6 +100,7 @@ class Loading:
     (True, None, None)
     """
 
+    kind: ClassVar[str]
     name: str
     duration_s: float = 0.0
     cycle_edges_s: np.ndarray = np.zeros(0)
@@ -137,6 +138,11 @@ class Loading:
         """The motion at right angles to the wall, which is not applied, as a record; None where it
         is not known."""
 
+    def as_dict(self) -> dict:
+        """Everything that defines the motion, fit for JSON."""
+        fields = vars(self)
+        return {"kind": self.kind, "name": self.name, **fields, "duration_s": self.duration_s}
+
 
 @dataclass(frozen=True)
 class Harmonic(Loading):
@@ -149,6 +155,7 @@ class Harmonic(Loading):
     ('harmonic_0.2s_0.05g', 0.6, 0.05)
     """
 
+    kind: ClassVar[str] = "harmonic"
     period_s: float = quantity(
         "s",
         *PERIODS_S,
@@ -233,16 +240,6 @@ class Harmonic(Loading):
         """Acceleration (n,) [m/s2] of the sine without its ends at times (n,) [s]."""
         return self.amplitude_g * GRAVITY * sin_of_turns(time_s / self.period_s)
 
-    def as_dict(self) -> dict:
-        return {
-            "kind": "harmonic",
-            "name": self.name,
-            "period_s": float(self.period_s),
-            "amplitude_g": float(self.amplitude_g),
-            "cycles": int(self.cycles),
-            "duration_s": float(self.duration_s),
-        }
-
 
 @dataclass(frozen=True)
 class Recorded(Loading):
@@ -252,9 +249,10 @@ class Recorded(Loading):
     record: horizontal component.
     scale: factor on both components.
     window_s: start and end [s] of the part that is used, or None for all of it.
-    vertical: component along z with the same step, length and start, or None.
+    vertical: component along z, or None.
     across: horizontal component at right angles, which is not applied and of which the largest of
-        all directions is known (RotD100), with the same step, length and start, or None.
+        all directions is known (RotD100), or None.  Both are put on the time axis of the record
+        (`damage.motion.record.on_axis_of`).
     baseline_order: order of the polynomial that is taken off, or None.
     band_hz: corners of the zero-phase band-pass [Hz], or None.
     interpolated_for_s: first period [s] of the wall for which both components are interpolated,
@@ -299,11 +297,11 @@ class Recorded(Loading):
             pair = getattr(self, key)
             if pair is not None and len(pair) != 2:
                 raise InputError(f"{key} of {len(pair)} numbers; expected two, start and end")
-        for name in ("vertical", "across"):
-            if (other := getattr(self, name)) is not None:
-                _check_simultaneous(self.record, other, name)
         if self.across is not None:
             _check_pair(self.record, self.across)
+        for name in ("vertical", "across"):
+            if (other := getattr(self, name)) is not None:
+                vars(self)[name] = prepare.on_axis_of(other, self.record, self.window_s)
         self.motion  # noqa: B018, prepared now so that a bad parameter is reported at once
 
     @property
@@ -410,22 +408,25 @@ class Recorded(Loading):
 
     def as_dict(self) -> dict:
         """Everything that defines the motion but the samples, fit for JSON."""
+        same = (
+            "name",
+            "scale",
+            "record_pga_g",
+            "window_s",
+            "baseline_order",
+            "band_hz",
+            "duration_s",
+            "interpolated_for_s",
+            "lost_by_lines",
+        )
         return RecordedMotion(
-            name=self.name,
+            **{name: getattr(self, name) for name in same},
             horizontal=_origin(self.record),
             vertical=_origin(self.vertical),
             across=_origin(self.across),
-            time_step_s=float(self.record.time_step_s),
-            scale=float(self.scale),
+            time_step_s=self.record.time_step_s,
             pga_g=pga_g(self.motion[0]),
-            record_pga_g=self.record_pga_g,
             sa_02_s_g=float(response_spectrum(self.motion[0], [0.2])[0]),
-            window_s=_floats(self.window_s),
-            baseline_order=None if self.baseline_order is None else int(self.baseline_order),
-            band_hz=_floats(self.band_hz),
-            duration_s=float(self.duration_s),
-            interpolated_for_s=self.interpolated_for_s,
-            lost_by_lines=self.lost_by_lines,
         ).as_dict()
 
 
@@ -480,6 +481,7 @@ class FreeVibration(Loading):
     top_velocity_m_s: velocity of the wall's top [m/s].
     """
 
+    kind: ClassVar[str] = "free_vibration"
     top_velocity_m_s: float = 1e-3
 
     def __post_init__(self):
@@ -495,24 +497,14 @@ class FreeVibration(Loading):
     def drive(self) -> Drive:
         return Drive(first_mode_m_s=self.top_velocity_m_s)
 
-    def as_dict(self) -> dict:
-        return {
-            "kind": "free_vibration",
-            "name": self.name,
-            "top_velocity_m_s": float(self.top_velocity_m_s),
-            "duration_s": self.duration_s,
-        }
-
 
 @dataclass(frozen=True)
 class AtRest(Loading):
     """No motion: the run ends after its settlement."""
 
+    kind: ClassVar[str] = "at_rest"
     name: ClassVar[str] = "at_rest"
     moves: ClassVar[bool] = False
-
-    def as_dict(self) -> dict:
-        return {"kind": "at_rest", "name": self.name, "duration_s": self.duration_s}
 
 
 BOUNDARIES = ("cantilever", "fixed")
@@ -702,25 +694,6 @@ def loading_from_dict(table: dict) -> Loading:
     )
 
 
-def _check_simultaneous(record, other, name):
-    """Both components must hold the same instants."""
-    kinds = [
-        (component.time_step_s, component.acceleration_m_s2.size) for component in (record, other)
-    ]
-    correction = (
-        "expected the same step, length and start: put it on that time axis, with"
-        " damage.motion.record.on_axis_of"
-    )
-    if kinds[0] != kinds[1]:
-        raise InputError(
-            f"{name} {other.name} has {kinds[1][1]} samples of {kinds[1][0]:g} s,"
-            f" {record.name} {kinds[0][1]} of {kinds[0][0]:g} s; {correction}"
-        )
-    late_s = prepare.start_difference_s(other, record)
-    if abs(late_s) > 0.5 * record.time_step_s:
-        raise InputError(f"{other.name} starts {late_s:g} s after {record.name}; {correction}")
-
-
 def _check_pair(record, across):
     """Two components have to be horizontal ones of one station, by their names where these end in
     channels as HGE."""
@@ -746,7 +719,3 @@ def _origin(record):
         "unit": record.unit,
         **({"given": record.given} if record.given else {}),
     }
-
-
-def _floats(pair):
-    return None if pair is None else [float(value) for value in pair]

@@ -228,7 +228,7 @@ def on_axis_of(
         acceleration_m_s2=samples,
         start_utc=reference.start_utc,
         first_s=reference.first_s,
-        late_s=late_s,
+        late_s=record.late_s + late_s,
     )
 
 

@@ -215,9 +215,10 @@ def _of_levels(table, x, height):
 
 def _longer(x, up):
     """Points, x and up (n,) [m], with one more at either end, END_M further on the same slope."""
-    slope = np.diff(up)[[0, -1]] / np.diff(x)[[0, -1]]
-    return np.concatenate([x[:1] - END_M, x, x[-1:] + END_M]), np.concatenate(
-        [up[:1] - END_M * slope[0], up, up[-1:] + END_M * slope[1]]
+    first, last = END_M * (np.diff(up)[[0, -1]] / np.diff(x)[[0, -1]])
+    return (
+        np.array([x[0] - END_M, *x, x[-1] + END_M]),
+        np.array([up[0] - first, *up, up[-1] + last]),
     )
 
 

@@ -14,7 +14,6 @@ from damage.motion.loading import (
     Recorded,
     TopDisplacement,
 )
-from damage.motion.record import on_axis_of
 from damage.motion.sequence import read_sequence, strongest
 from damage.motion.settlement import PROFILES, Settlement, read_profile
 
@@ -275,9 +274,8 @@ def recorded(parsed):
         "sample_step_s": parsed.sample_step,
     }
     record = read_record(parsed.record, **given)
-    window = parsed.window
     others = {
-        name: on_axis_of(read_record(path, **given), record, window)
+        name: read_record(path, **given)
         for name in ("vertical", "across")
         if (path := getattr(parsed, name, None))
     }
@@ -285,7 +283,10 @@ def recorded(parsed):
         record,
         **others,
         **_given(
-            scale=parsed.scale, window_s=window, baseline_order=parsed.baseline, band_hz=parsed.band
+            scale=parsed.scale,
+            window_s=parsed.window,
+            baseline_order=parsed.baseline,
+            band_hz=parsed.band,
         ),
     )
 

@@ -446,7 +446,7 @@ class TestComponentsThatBeginApart:
 
     def test_two_records_in_python_are_held_to_their_times(self):
         late = Record("late", STEP_S, PULSE_G, first_s=0.2)
-        refused_with("starts 0.2 s after", Recorded, Record("r", STEP_S, PULSE_G), across=late)
+        refused_with("has samples from 0.2 to", Recorded, Record("r", STEP_S, PULSE_G), across=late)
 
 
 class TestUnitOfARun:

@@ -133,15 +133,15 @@ class TestRecorded:
         assert np.abs(found[:, 0] - found[:, 1]).max() > 0.1
 
     @pytest.mark.parametrize(
-        "vertical",
+        ("vertical", "refused"),
         [
-            noise("up", samples=2000),
-            Record("up", 0.01, np.zeros(2001)),
-            noise("up", start_utc="2018-01-08T14:00:00.1Z"),
+            (noise("up", samples=2000), "has samples from 0 to"),
+            (Record("up", 0.01, np.zeros(2001)), "has no start time"),
+            (noise("up", start_utc="2018-01-08T14:00:00.1Z"), "has samples from 0.1 to"),
         ],
     )
-    def test_vertical_must_be_simultaneous(self, vertical):
-        refused_with("on_axis_of", Recorded, noise(), vertical=vertical)
+    def test_vertical_must_be_simultaneous(self, vertical, refused):
+        refused_with(refused, Recorded, noise(), vertical=vertical)
 
     def test_description_identifies_the_file(self, bgar):
         load = Recorded(bgar, 1.5, (17, 23), baseline_order=1, band_hz=(0.1, 40))

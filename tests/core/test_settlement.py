@@ -20,7 +20,7 @@ from damage.linear.modes import natural_modes
 from damage.measure.cycles import natural_period
 from damage.measure.damage_index import storey_drifts
 from damage.measure.energy import energy_error_of
-from damage.measure.ground import distortion, settlement_measures
+from damage.measure.ground import distortion
 from damage.measure.pushed import first_loading
 from damage.measure.summary import summarise
 from damage.motion.loading import AtRest, Harmonic
@@ -338,7 +338,7 @@ def test_a_run_that_continues_after_a_settlement_has_not_fallen(tmp_path):
 def test_cracks_of_the_settlement_stay_and_the_ground_s_work_is_in_the_balance(run_of):
     """The weight goes down with the ground."""
     cracked = run_of("settled")
-    found = settlement_measures(cracked)
+    found = summarise(cracked)
     last = np.flatnonzero(cracked.series["stage"] == "settlement")[-1]
     assert found["settled_crack_width_mm"] > 0.1 and found["settled_psi"] > 1
     assert found["angular_distortion"] == approx(1 / 500, rel=0.1)
