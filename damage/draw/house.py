@@ -268,7 +268,7 @@ def elevation_picture(history, sample="max", magnify=None):
 class Perspective:
     """Axes with a house in perspective: `show` draws a moment from an azimuth [deg]."""
 
-    def __init__(self, ax, history, page_pt):
+    def __init__(self, ax, history):
         self.space = InSpace(history)
         placing = history.placing
         low = self.space.boxes.min(axis=(0, 1))
@@ -278,7 +278,8 @@ class Perspective:
         self.radius = float(np.linalg.norm(self.half))
         outside = placing.sign_of("outside")[0] * placing.axes[0, 1]
         self.azimuth = float(np.degrees(np.arctan2(outside[1], outside[0]))) + BESIDE_DEG
-        self.widest_pt = _widest(history, (2 * self.radius,) * 2, page_pt)
+        page_pt = 72 * style.COLUMN_WIDTH
+        self.widest_pt = _widest(history, (2 * self.radius,) * 2, (page_pt,) * 2)
         self.ground, self.drawn = (ax.add_collection(PolyCollection([])) for _ in range(2))
         self.ground.set(facecolor=style.GROUND_COLOUR, edgecolor="none")
         self.ax = ax
@@ -322,7 +323,7 @@ def space_picture(history):
     with the cracks of the faces that are seen."""
     sample, damage, snapshot = moment_of(history, "max")
     figure, ax = style.new_figure(1.0)
-    seen = Perspective(ax, history, (72 * style.COLUMN_WIDTH,) * 2)
+    seen = Perspective(ax, history)
     magnify = magnification(seen.space, [snapshot])
     seen.show(sample, snapshot, magnify, seen.azimuth)
     ratio = seen.fit([seen.azimuth])
@@ -363,7 +364,7 @@ def walls_picture(history):
 # --- files ---------------------------------------------------------------------------------------
 
 PICTURES = {
-    "elevation_max": partial(elevation_picture, sample="max"),
+    "elevation_max": elevation_picture,
     "elevation_end": partial(elevation_picture, sample="end"),
     "space_max": space_picture,
     "walls": walls_picture,

@@ -107,7 +107,7 @@ def plot_wall(
     >>> axes.get_title().splitlines()[0]
     'DI 0.073 at 0.100 s'
     """
-    sample = t if t in ("max", "end") else choose_samples(history, [t])[0]
+    (sample,) = choose_samples(history, [t])
     shape = wall_shape(history, sample, magnify)
     shape = shape.on_page(ax.get_window_extent().size / ax.figure.dpi * 72)
     draw_wall(ax, shape)
@@ -147,8 +147,9 @@ def heap_picture(history: History) -> Figure:
     handles = [style.area_handle("none", "where they were", "0.8")]
     for kind, colour in style.BODY_COLOURS.items():
         if (kinds == kind).any():
-            style.add_bodies(ax, now[kinds == kind], colour)
-            handles.append(style.area_handle(colour, style.BODY_WORDS.get(kind, kind)))
+            label = style.BODY_WORDS.get(kind, kind)
+            style.add_bodies(ax, now[kinds == kind], colour, label=label)
+            handles.append(style.area_handle(colour, label))
     style.add_bodies(ax, now, "none", style.DARK)  # all edges above all faces
     after_s = history.snapshot_time_s[-1] - history.collapsed_at_s
     style.fit_column(figure, show_all(ax, before, now))
@@ -532,7 +533,7 @@ def energy_picture(history: History) -> Figure:
 # --- files ---------------------------------------------------------------------------------------
 
 PICTURES = {
-    "wall_max": partial(wall_picture, sample="max"),
+    "wall_max": wall_picture,
     "wall_end": partial(wall_picture, sample="end"),
     "index": index_picture,
     "drift": drift_picture,
@@ -546,13 +547,15 @@ def pictures_beside(history: History) -> dict[str, Callable]:
     """Return {file name without suffix: function that draws it} of what only some Histories have:
     the heap where bricks were followed beyond the collapse, the events where there are several,
     forces at rest and at the maximum index where the run kept stresses."""
-    pictures = {"heap": heap_picture} if has_heap(history) else {}
-    pictures |= {"sequence": sequence_picture} if has_sequence(history) else {}
-    moments = () if history.joint_stress_pa is None else ("rest", "max")
-    return pictures | {
-        f"contact_forces_{moment}": partial(contact_force_picture, moment=moment)
-        for moment in moments
-    }
+    pictures: dict[str, Callable] = {}
+    if has_heap(history):
+        pictures["heap"] = heap_picture
+    if len(history.series) and history.series["shock"].iloc[-1] > 1:
+        pictures["sequence"] = sequence_picture
+    if history.joint_stress_pa is not None:
+        for moment in ("rest", "max"):
+            pictures[f"contact_forces_{moment}"] = partial(contact_force_picture, moment=moment)
+    return pictures
 
 
 def pictures_of(history: History) -> dict[str, Callable]:
@@ -579,15 +582,6 @@ def is_pushed(history: History) -> bool:
     (True, False)
     """
     return isinstance(history.loading, TopDisplacement) and not history.loading.cycles
-
-
-def has_sequence(history: History) -> bool:
-    """Whether a History has more than one event.
-
-    >>> bool(has_sequence(history))
-    False
-    """
-    return len(history.series) > 0 and history.series["shock"].iloc[-1] > 1
 
 
 @style.styled

@@ -54,26 +54,14 @@ def index_columns(kind="", what=""):
     }
 
 
-def _names(kind, slip):
-    return ", ".join(f"{kind}_{CRITERIA[slip]}{name}" for name in COMPONENTS)
-
-
 @measure(
     {
-        _names("max", "displacement"): Column(
-            "1", "each its own maximum over the run, slip by displacement"
-        ),
-        _names("residual", "displacement"): Column(
-            "1", "the last state of the settling stage, or of a collapse"
-        ),
-        **{
-            _names(kind, slip): Column("1", f"the same with slip {criterion}")
-            for slip, criterion in {
-                "accumulated": "accumulated",
-                "shear-limit": "by the shear limit",
-            }.items()
-            for kind in ("max", "residual")
-        },
+        ", ".join(f"{kind}_{prefix}{name}" for name in COMPONENTS): Column("1", f"{what}{slip}")
+        for prefix, slip in CRITERION_WORDS.items()
+        for kind, what in (
+            ("max", "each its own maximum over the run"),
+            ("residual", "the last state of the settling stage, or of a collapse"),
+        )
     }
 )
 def index_measures(history, threshold, drift_limit, slip):

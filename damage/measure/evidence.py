@@ -150,74 +150,74 @@ def _result(name):
 QUANTITIES = (
     Quantity(
         "direction",
+        "closed forms within 2 %; [one shaken strip](../validation/shaken-walls.md)",
+        "two-way bending, torsion and return walls: [houses](house.md) in YADE alone",
         supported="in the plane of the wall;"
         " [strips](../guides/own-wall.md#a-strip-in-one-way-bending) "
         "between floors bend out of it",
-        evidence="closed forms within 2 %; [one shaken strip](../validation/shaken-walls.md)",
-        beyond="two-way bending, torsion and return walls: [houses](house.md) in YADE alone",
     ),
     Quantity(
         "corners with other walls",
-        evidence="[closed forms, limit analysis by hand](house.md#checks)",
-        beyond="no house has been compared with a test, nor another program with its motion",
+        "[closed forms, limit analysis by hand](house.md#checks)",
+        "no house has been compared with a test, nor another program with its motion",
         value=lambda run: run.corners,
         most=0.0,
     ),
     Quantity(
         "drift across the wall",
-        evidence="[closed forms of rocking and bending](house.md#checks)",
-        beyond="no test of a wall of a house has been compared",
+        "[closed forms of rocking and bending](house.md#checks)",
+        "no test of a wall of a house has been compared",
         value=_result("max_drift_across_ratio"),
         most=0.0,
         unit="%",
     ),
     Quantity(
         "vertical components of the motion",
+        "",
+        "`--vertical` applies it; its effect has not been compared",
         supported="{range}: no study here has one",
-        evidence="",
-        beyond="`--vertical` applies it; its effect has not been compared",
         value=lambda run: any(motion.get("vertical") for motion, _ in run.events),
         most=0.0,
     ),
     Quantity(
         "drift",
-        supported="{range} (pushed brick walls); 2 % in the index's definition",
-        evidence="[laboratory walls](../validation/laboratory.md)",
-        beyond="with equal joints, force falls too steeply after the "
+        "[laboratory walls](../validation/laboratory.md)",
+        "with equal joints, force falls too steeply after the "
         "peak; scatter and softening crushing: [after the peak](../validation/after-the-peak.md)",
+        supported="{range} (pushed brick walls); 2 % in the index's definition",
         value=_result("max_drift_ratio"),
         most=0.3,
         unit="%",
     ),
     Quantity(
         "slip of a joint",
-        evidence="[slides, rocking](../validation/verification.md)",
-        beyond="bricks find new contacts [in YADE](yade.md#loose-bricks) alone",
+        "[slides, rocking](../validation/verification.md)",
+        "bricks find new contacts [in YADE](yade.md#loose-bricks) alone",
         value=_result("max_offset_mm"),
         most=10.0,
         unit="mm",
     ),
     Quantity(
         "slip over the overlap of the faces",
-        evidence="as above",
-        beyond="a joint ends where its faces no longer overlap, with a warning",
+        "as above",
+        "a joint ends where its faces no longer overlap, with a warning",
         value=_result("max_offset_over_overlap"),
         most=1.0,
     ),
     Quantity(
         "bricks followed after a fall",
-        supported="{range}: up to the first brick that drops by half its height",
-        evidence="none",
-        beyond="the index ends; [`--after-fall`](yade.md#loose-bricks) follows loose bricks in"
+        "none",
+        "the index ends; [`--after-fall`](yade.md#loose-bricks) follows loose bricks in"
         " YADE; no collapse has been compared with a test",
+        supported="{range}: up to the first brick that drops by half its height",
         value=lambda run: run.followed,
         most=0.0,
     ),
     Quantity(
         "precompression of mortar joints",
+        "[four tested walls](../validation/laboratory.md), peaks within 10 %",
+        "no tested wall with mortar below 0.3 MPa",
         supported="{range} on brick walls, in the piers",
-        evidence="[four tested walls](../validation/laboratory.md), peaks within 10 %",
-        beyond="no tested wall with mortar below 0.3 MPa",
         value=lambda run: None if run.dry else run.stress,
         least=0.3,
         most=0.9,
@@ -225,9 +225,8 @@ QUANTITIES = (
     ),
     Quantity(
         "precompression of dry joints",
-        evidence="[limit analysis; wall SW.30](../validation/dry-joints.md), peak 15 % below the"
-        " tests",
-        beyond="at 1 MPa, dry stone walls peak "
+        "[limit analysis; wall SW.30](../validation/dry-joints.md), peak 15 % below the tests",
+        "at 1 MPa, dry stone walls peak "
         "[57 % too high](../validation/dry-joints.md) unless stones split",
         value=lambda run: run.stress if run.dry else None,
         most=0.15,
@@ -235,8 +234,8 @@ QUANTITIES = (
     ),
     Quantity(
         "length",
-        evidence="[laboratory](../validation/laboratory.md), shipped walls",
-        beyond="20 000 bricks at most",
+        "[laboratory](../validation/laboratory.md), shipped walls",
+        "20 000 bricks at most",
         value=lambda run: run.wall.length,
         least=1.0,
         most=4.05,
@@ -244,8 +243,8 @@ QUANTITIES = (
     ),
     Quantity(
         "height",
-        evidence="as above",
-        beyond="as above",
+        "as above",
+        "as above",
         value=lambda run: run.wall.built_height,
         least=1.0,
         most=2.78,
@@ -253,8 +252,8 @@ QUANTITIES = (
     ),
     Quantity(
         "storeys",
-        evidence="as above",
-        beyond="gables and floors follow "
+        "as above",
+        "gables and floors follow "
         "[closed forms](../guides/own-wall.md#a-house), no tested house has been compared",
         value=_storeys,
         least=1.0,
@@ -262,15 +261,15 @@ QUANTITIES = (
     ),
     Quantity(
         "bond",
+        "all tests",
+        "walls laid two bricks thick were modelled as one layer; no cross bond, no ties",
         supported="running bond, one brick thick",
-        evidence="all tests",
-        beyond="walls laid two bricks thick were modelled as one layer; no cross bond, no ties",
     ),
     Quantity(
         "cohesion of mortar joints",
+        "[laboratory](../validation/laboratory.md)",
+        "joints have no thickness; properties do not vary along a joint",
         supported="{range}; clay and calcium silicate brickwork",
-        evidence="[laboratory](../validation/laboratory.md)",
-        beyond="joints have no thickness; properties do not vary along a joint",
         value=lambda run: None if run.dry else run.joint.cohesion,
         least=0.15,
         most=0.24,
@@ -278,38 +277,38 @@ QUANTITIES = (
     ),
     Quantity(
         "tan(phi)",
-        evidence="as above",
-        beyond="as above",
+        "as above",
+        "as above",
         value=lambda run: math.tan(run.joint.friction_angle),
         least=0.42,
         most=0.63,
     ),
     Quantity(
         "shear failures of brittle joints",
+        "[laboratory](../validation/laboratory.md)",
+        "brittle joints underestimate the peak of shear walls by a quarter",
         supported="{range}: walls that rock. Softening joints: also walls that shear",
-        evidence="[laboratory](../validation/laboratory.md)",
-        beyond="brittle joints underestimate the peak of shear walls by a quarter",
         value=_shear_share,
         most=50.0,
         unit="% of failed contact points",
     ),
     Quantity(
         "cohesion at which a bed joint slides before steps form",
+        "[tested walls](../validation/after-the-peak.md#two-equal-walls) at 0 to 9 % "
+        "crack in steps",
+        "at the border: of two equal walls at 58 % one cracked in steps, one slid. No test "
+        "gives the cohesion of one bed joint, so that neither mode nor ultimate drift is predicted",
         supported="{range}, which one joint in 200 falls short of by the scatter of 40 % of single "
         "specimens",
-        evidence="[tested walls](../validation/after-the-peak.md#two-equal-walls) at 0 to 9 % "
-        "crack in steps",
-        beyond="at the border: of two equal walls at 58 % one cracked in steps, one slid. No test "
-        "gives the cohesion of one bed joint, so that neither mode nor ultimate drift is predicted",
         value=_deciding_cohesion,
         most=35.0,
         unit="% of the mean",
     ),
     Quantity(
         "split or crushed length",
+        "[deformable bricks](model.md#deformable-bricks): first periods within 4 %",
+        "splitting and crushing are options; both move tested peaks by at most 7 %",
         supported="{range}: bricks rigid, intact",
-        evidence="[deformable bricks](model.md#deformable-bricks): first periods within 4 %",
-        beyond="splitting and crushing are options; both move tested peaks by at most 7 %",
         value=lambda run: (
             run.result["crushed_length_m"] + run.result["split_length_m"] if run.result else None
         ),
@@ -318,16 +317,16 @@ QUANTITIES = (
     ),
     Quantity(
         "stiffness",
+        "[laboratory](../validation/laboratory.md)",
+        "moduli of wallet tests give half or twice the measured stiffness",
         supported="modulus fitted to the wall",
-        evidence="[laboratory](../validation/laboratory.md)",
-        beyond="moduli of wallet tests give half or twice the measured stiffness",
     ),
     Quantity(
         "period of a harmonic motion",
-        supported="{range}; records",
-        evidence="[both solvers](../validation/two-solvers.md)",
-        beyond="one wall on a shaking table has been compared: [shaken"
+        "[both solvers](../validation/two-solvers.md)",
+        "one wall on a shaking table has been compared: [shaken"
         " walls](../validation/shaken-walls.md)",
+        supported="{range}; records",
         value=_largest("harmonic", "period_s", factor=False),
         least=0.06,
         most=1.0,
@@ -335,8 +334,8 @@ QUANTITIES = (
     ),
     Quantity(
         "amplitude of a harmonic motion",
-        evidence="[results](../paper/results.md)",
-        beyond="near resonance 5 % of the period changes DI of brittle walls by a factor of 2 to 4",
+        "[results](../paper/results.md)",
+        "near resonance 5 % of the period changes DI of brittle walls by a factor of 2 to 4",
         value=_largest("harmonic", "amplitude_g"),
         least=0.01,
         most=0.1,
@@ -344,25 +343,25 @@ QUANTITIES = (
     ),
     Quantity(
         "scale of a record",
-        evidence="as above",
-        beyond="fragility scales records by up to 10",
+        "as above",
+        "fragility scales records by up to 10",
         value=_largest("record", "scale"),
         most=2.0,
     ),
     Quantity(
         "repeated events",
-        supported="both solvers agree; softening spandrels lose force by repetition as tested"
-        " clay does",
-        evidence="[equal events](../paper/thirty-years.md#equal-events), [repeated "
+        "[equal events](../paper/thirty-years.md#equal-events), [repeated "
         "loading](../validation/repeated-loading.md)",
-        beyond="1.5 to 1.9 times the tested loss of calcium silicate; piers on stepped cracks"
+        "1.5 to 1.9 times the tested loss of calcium silicate; piers on stepped cracks"
         " walk 0.1 to"
         " 0.3 mm an event of 45 mm/s, no test of that has been compared",
+        supported="both solvers agree; softening spandrels lose force by repetition as tested"
+        " clay does",
     ),
     Quantity(
         "rest after the motion",
-        evidence="[open points](../paper/open-points.md)",
-        beyond="undamped masses on top bounce and fail joints later; 0.2 % of damping prevents it",
+        "[open points](../paper/open-points.md)",
+        "undamped masses on top bounce and fail joints later; 0.2 % of damping prevents it",
         value=lambda run: run.rest_s if run.shakes else None,
         least=1.0,
         most=2.0,
@@ -370,18 +369,18 @@ QUANTITIES = (
     ),
     Quantity(
         "energy balance error",
-        evidence="[two solvers](../validation/two-solvers.md)",
-        beyond="[warning, below](#energy-balance); run failed above 100 %",
+        "[two solvers](../validation/two-solvers.md)",
+        "[warning, below](#energy-balance); run failed above 100 %",
         value=_result("energy_error_fraction"),
         most=100 * ENERGY_ERROR,
         unit="%",
     ),
     Quantity(
         "base",
-        supported="rigid; [settlement and soil springs](model.md#ground) follow closed forms",
-        evidence="[overview](../validation/overview.md)",
-        beyond="no settled building has been compared; soil has no mass, and "
+        "[overview](../validation/overview.md)",
+        "no settled building has been compared; soil has no mass, and "
         "no damping; it lengthens the period by 67 to 131 %",
+        supported="rigid; [settlement and soil springs](model.md#ground) follow closed forms",
     ),
 )
 

@@ -57,13 +57,10 @@ def settlement_measures(history, threshold, drift_limit, slip, psi_from):
 )
 def base_measures(history):
     """Largest rigid motion of the base course of a History over the run."""
-    largest = [
+    translation, rotation = (
         np.abs(history.series[name]).max() for name in ("base_translation_m", "base_rotation_rad")
-    ]
-    return [
-        None if np.isnan(value) else float(factor * value)
-        for value, factor in zip(largest, (1 / MILLIMETRE, 1.0))
-    ]
+    )
+    return [None if np.isnan(value) else float(value) for value in (1e3 * translation, rotation)]
 
 
 def edges_of(history, sample):

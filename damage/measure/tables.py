@@ -233,11 +233,10 @@ def write_run_tables(history, stem):
 
 def write_stresses(history, folder, moments=MOMENTS):
     """Write stresses.csv and sections.csv of a History at moments; returns the paths."""
-    tables = {
-        "stresses": stresses_table(history, moments),
-        "sections": sections_table(history, moments),
-    }
-    return [write_table(table, Path(folder) / f"{name}.csv") for name, table in tables.items()]
+    return [
+        write_table(table_of(history, moments), Path(folder) / f"{name}.csv")
+        for name, table_of in (("stresses", stresses_table), ("sections", sections_table))
+    ]
 
 
 def write_table(table, path):

@@ -22,7 +22,7 @@ from damage.measure.energy import (
     energy_measures,
     imbalance,
 )
-from damage.measure.joints import ended_joints, slide_limits
+from damage.measure.joints import ended_joints
 from damage.measure.limits import LIMITS, classes
 from damage.measure.summary import summarise
 from damage.measure.tables import joints_table, summary_row
@@ -314,8 +314,8 @@ HEAD = joint_of(1, 2)
 BASE = joint_of(0, 0)
 
 
-def test_faces_end_where_bricks_do(still_history):
-    least, most = slide_limits(still_history.joints, still_history.bodies)
+def test_faces_end_where_bricks_do():
+    least, most = LAYOUT.slide_limits
     assert (least[BED], most[BED]) == approx((-0.1125, 0.3375))
     assert (least[HEAD], most[HEAD]) == approx((-0.075, 0.075))
     assert (least[BASE], most[BASE]) == (-np.inf, np.inf)

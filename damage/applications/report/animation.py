@@ -185,7 +185,7 @@ def _stage(history, snapshots, above, below, magnify):
 def _house_stage(history, snapshots, above, below, magnify):
     """As `_stage`, of a house in perspective, about which the eye goes, once at most; below the
     indices of its walls."""
-    seen = Perspective(above, history, (72 * style.COLUMN_WIDTH,) * 2)
+    seen = Perspective(above, history)
     magnify = house_magnification(seen.space, snapshots) if magnify is None else magnify
     step = min(MOST_TURN_DEG, 360 / len(snapshots))
     turn = dict(zip(snapshots, seen.azimuth + step * np.arange(len(snapshots))))

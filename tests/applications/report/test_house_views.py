@@ -182,7 +182,7 @@ def test_unfolded_walls_show_the_crack_of_each_face(house):
 
 def test_one_sees_the_cracks_of_faces_that_look_at_the_eye(house):
     def cracks(azimuth):
-        seen = Perspective(new_figure(3)[1], house, (250, 250))
+        seen = Perspective(new_figure(3)[1], house)
         seen.show(0, 0, 1.0, azimuth)
         return _are_opened(seen.drawn).sum()
 
