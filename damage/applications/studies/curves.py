@@ -15,7 +15,6 @@ on fragility models: https://docs.openquake.org/oq-engine/master/manual/
 
 import re
 from itertools import product
-from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -101,7 +100,7 @@ def write_nrml(wall, fits, path, kind, eigen_period_s=None):
     Xml.indent(root)
     with whole_or_nothing(path) as unfinished:
         Xml.ElementTree(root).write(unfinished, encoding="utf-8", xml_declaration=True)
-    return Path(path)
+    return path
 
 
 def _text(value):
