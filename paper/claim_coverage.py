@@ -87,7 +87,9 @@ class Library:
         self.shown = claimed(self.twins, self.seen)
         self.known = np.full(self.seen[0].area.shape[1], float(offsets))
         self.pairs = pairwise(
-            Seen(*map(np.concatenate, zip(*self.seen))).at(self.shown.ravel()), ERROR, self.known
+            Seen(*map(np.concatenate, zip(*self.seen))).patterns(self.shown.ravel()),
+            ERROR,
+            self.known,
         )
 
     def answer(self, survey, left_out=None):
@@ -141,9 +143,7 @@ def surveyed_wall(library, state, k, rng, offsets):
         {
             "joint": joint,
             "crack": cracks["crack"].to_numpy(),
-            "length_m": twins.length_m[joint],
-            "opening_m": shown[joint],
-            "slip_m": 0.0,
+            "length_m": library.wall.contacts.length[joint],
             "width_m": shown[joint],
             "offset": seen_offset,
         }

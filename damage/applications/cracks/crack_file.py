@@ -51,8 +51,12 @@ MODES = ("tension", "shear", "mixed", "unknown")
 NO_CRACK = "none"
 """Mode of an area that was looked at and has no crack: its points 1 and 2 are opposite corners."""
 SEEN = {"yes": 1.0, "no": 0.0, "unknown": nan, "": nan}
-"""Words of the column `offset`."""
-STRETCHES = ("crack", "line", *ENDS, "opening_m", "slip_m", "width_m", "mode")
+SEEN_AS = {1.0: "yes", 0.0: "no"}
+"""Words of the column `offset`, read and written."""
+STRETCHES = (
+    *("crack", "line", *ENDS, "length_m"),
+    *("opening_m", "slip_m", "width_m", "mode", "offset"),
+)
 MOST_DRAWN_M = 10_000.0
 """Length of all polylines of a file [m]."""
 MOST_POINTS = 20_000
@@ -68,29 +72,20 @@ class CrackPattern:
 
     level: its number; drift_ratio: NaN where unknown;
     stretches: DataFrame, a row a straight part of a polyline: crack (label), line (number of the
-    polyline in the level), x_start_m, z_start_m, x_end_m, z_end_m, opening_m and slip_m (NaN where
-    they cannot be distinguished), width_m, mode;
-    offset: of each stretch, 1 where its faces are seen to be offset, 0 where they are not, NaN
-    where nobody says, None for NaN of all; detection_limit_m, width_error_m: width from which
-    cracks are seen, largest error of a width (NaN where unknown); clear: (n, 4) [m], rectangles x,
-    z, x, z of opposite corners that have no crack.
+    polyline in the level), x_start_m, z_start_m, x_end_m, z_end_m, length_m, opening_m and slip_m
+    (NaN where they cannot be distinguished), width_m, mode, offset (1 where its faces are seen to
+    be offset, 0 where they are not, NaN where nobody says);
+    detection_limit_m, width_error_m: width from which cracks are seen, largest error of a width
+    (NaN where unknown); clear: (n, 4) [m], rectangles x, z, x, z of opposite corners that have no
+    crack.
     """
 
     level: float
     drift_ratio: float
     stretches: pd.DataFrame
-    offset: np.ndarray | None = None
     detection_limit_m: float = nan
     width_error_m: float = nan
     clear: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
-
-    @property
-    def length_m(self):
-        """Length of every stretch, (n_stretches,)."""
-        parts = self.stretches
-        return np.hypot(
-            parts["x_end_m"] - parts["x_start_m"], parts["z_end_m"] - parts["z_start_m"]
-        ).to_numpy(float)
 
 
 def read_cracks(path):
@@ -101,22 +96,19 @@ def read_cracks(path):
     table = read_csv(path, COLUMNS | OF_SURVEY, REQUIRED, MOST_POINTS)
     rows = _rows(table)
     patterns = []
-    for level in dict.fromkeys(rows["level"]):
-        here = rows[rows["level"] == level]
+    for level, here in rows.groupby("level", sort=False):
         is_area = here["mode"] == NO_CRACK
-        stretches, offset = _stretches(table, here[~is_area & ~here["empty"]])
         patterns.append(
             CrackPattern(
                 level,
                 drift_ratio=_one_value(table, here["drift_pct"]) / 100,
-                stretches=stretches,
-                offset=offset,
+                stretches=_stretches(table, here[~is_area & ~here["empty"]]),
                 detection_limit_m=_one_value(table, here["detection_limit_mm"]) * MILLIMETRE,
                 width_error_m=_one_value(table, here["width_error_mm"]) * MILLIMETRE,
                 clear=_clear(table, here[is_area]),
             )
         )
-    drawn = sum(float(pattern.length_m.sum()) for pattern in patterns)
+    drawn = sum(pattern.stretches["length_m"].sum() for pattern in patterns)
     if drawn > MOST_DRAWN_M:
         raise InputError(
             f"{path}: cracks of {drawn:g} m in all; expected up to {MOST_DRAWN_M:g} m, look at the"
@@ -167,7 +159,7 @@ def _one_value(table, column):
             f"{column.name} = {given[row]:g}, but {given[first]:g} in line {table.line[first]} of "
             "the same load level; give one value a level",
         )
-    return float(given[first])
+    return given[first]
 
 
 def _clear(table, points):
@@ -192,8 +184,7 @@ def _clear(table, points):
 
 
 def _stretches(table, points):
-    """The straight parts of the polylines of one level, and whether their faces are seen to be
-    offset."""
+    """The straight parts of the polylines of one level, a DataFrame with the columns STRETCHES."""
     starts = (points["point"] == 1).to_numpy()
     ends = np.append(starts, True)[1:]
     wrong = points[~starts & (points["point"] != points["before"] + 1)]
@@ -229,16 +220,13 @@ def _stretches(table, points):
             parts.append(complete_sizes(*known))
         except InputError as error:
             raise table.error(row, str(error)) from None
-    stretches = pd.DataFrame(
-        {
-            "crack": here["crack"].to_numpy(),
-            "line": np.cumsum(starts)[~ends],
-            **dict(zip(ENDS, places.T)),
-            **dict(zip(("opening_m", "slip_m", "width_m"), np.reshape(parts, (-1, 3)).T)),
-            "mode": here["mode"].to_numpy(),
-        }
+    here = here.assign(
+        line=np.cumsum(starts)[~ends],
+        length_m=np.hypot(*(places[:, 2:] - places[:, :2]).T),
+        **dict(zip(ENDS, places.T)),
+        **dict(zip(("opening_m", "slip_m", "width_m"), np.reshape(parts, (-1, 3)).T)),
     )
-    return stretches, here["offset"].to_numpy()
+    return here[list(STRETCHES)].reset_index(drop=True)
 
 
 def complete_sizes(opening, slip, width, mode):
@@ -293,8 +281,6 @@ def _point_rows(pattern):
     of clear areas."""
     head = (pattern.level, 100 * pattern.drift_ratio)
     accuracy = (pattern.detection_limit_m / MILLIMETRE, pattern.width_error_m / MILLIMETRE)
-    seen = {number: word for word, number in SEEN.items() if not isnan(number)}
-    offset = np.full(len(pattern.stretches), nan) if pattern.offset is None else pattern.offset
     if len(pattern.stretches) == 0:
         yield (*head, *[None] * 9, *accuracy)
     for (crack, _), line in pattern.stretches.groupby(["crack", "line"], sort=False):
@@ -309,7 +295,7 @@ def _point_rows(pattern):
                 part.slip_m / MILLIMETRE,
                 part.width_m / MILLIMETRE,
                 part.mode,
-                seen.get(offset[part.Index]),
+                SEEN_AS.get(part.offset),
                 *accuracy,
             )
         yield (*head, str(crack), number + 1, part.x_end_m, part.z_end_m, *[None] * 5, *accuracy)
@@ -324,11 +310,11 @@ def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
 
     A polyline ends where the next cracked joint of its crack does not continue from its end.
     """
-    is_head = np.abs(table["x_end_m"] - table["x_start_m"]) < np.abs(
+    is_head = (table["x_end_m"] - table["x_start_m"]).abs() < (
         table["z_end_m"] - table["z_start_m"]
-    )
-    across = np.where(is_head, table["x_start_m"], table["z_start_m"])
-    along = np.where(is_head, table["z_start_m"], table["x_start_m"])
+    ).abs()
+    start = table[["x_start_m", "z_start_m"]].to_numpy()
+    across, along = np.where(is_head, start.T, start.T[::-1])
     order = np.lexsort((along, np.round(across, 6), is_head, table["crack"]))
     parts = table.iloc[order].reset_index(drop=True)
     ends = parts[list(ENDS)].to_numpy()
@@ -340,6 +326,7 @@ def pattern_of(table, level, drift_ratio, threshold=THRESHOLD):
     )
     parts["line"] = np.cumsum(~goes_on)
     parts["mode"] = modes_of(parts["opening_m"].to_numpy(), parts["slip_m"].to_numpy(), threshold)
+    parts["offset"] = nan
     return CrackPattern(float(level), float(drift_ratio), parts[list(STRETCHES)])
 
 

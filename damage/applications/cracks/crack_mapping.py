@@ -15,7 +15,7 @@ w^2 = opening^2 + slip^2, and the index lies between two bounds (threshold t):
     t < w <= sqrt(2) t    at most one of them is, perhaps none
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -28,11 +28,10 @@ from damage.units import MILLIMETRE
 from damage.wall.geometry import joint_table, tributary_ends
 
 PIECE = 0.5 * MILLIMETRE
-_TOGETHER = 200  # pieces whose distances to the joints near them are worked out at once: memory
+_CHUNK = 400  # points whose distances to the joints near them are worked out at once: memory
 
 
-@dataclass(frozen=True)
-class MappedCracks:
+class MappedCracks(NamedTuple):
     """The cracks of one pattern on the joints of a wall.
 
     table: DataFrame, a row each joint that a stretch runs along: joint (index), ENDS on the joint,
@@ -62,8 +61,7 @@ def map_cracks(pattern, layout, tolerance=None):
     table = pd.DataFrame(rows, columns=["stretch", "joint", *ENDS, "length_m"]).astype(
         {"stretch": int, "joint": int}
     )
-    for name in ("crack", "opening_m", "slip_m", "width_m", "mode"):
-        table[name] = parts[name].to_numpy()[table["stretch"]]
+    table = table.join(parts[["crack", "opening_m", "slip_m", "width_m", "mode"]], on="stretch")
     mapped = table["length_m"].sum()
     # No joint is cracked over more than its length.  A piece across its end counts entirely on one
     # side of it: the sum may exceed the length by one piece.
@@ -71,12 +69,19 @@ def map_cracks(pattern, layout, tolerance=None):
     on_joint = np.bincount(table["joint"], table["length_m"], minlength=len(length))
     share = np.divide(length, on_joint, out=np.ones(len(length)), where=on_joint > length + PIECE)
     table["length_m"] *= share[table["joint"]]
-    drawn = float(pattern.length_m.sum())
+    drawn = parts["length_m"].sum()
     return MappedCracks(
         table.drop(columns="stretch"),
         drawn,
-        float(max(drawn - mapped, 0.0)),
-        float(mapped - table["length_m"].sum()),
+        max(drawn - mapped, 0.0),
+        mapped - table["length_m"].sum(),
+    )
+
+
+def in_chunks(function, points):
+    """A function of points (n, 2) that gives (n,), for a few of them at a time."""
+    return np.concatenate(
+        [function(part) for part in np.split(points, range(_CHUNK, len(points), _CHUNK))]
     )
 
 
@@ -86,15 +91,10 @@ def _on_joints(number, stretch, ends, tolerance):
     low = ends[:, 0]
     high = ends[:, 1]
     whole = stretch[1] - stretch[0]
-    length = float(hypot(*whole))
+    length = hypot(*whole)
     n_pieces = max(1, int(np.ceil(length / PIECE)))
     (middle,) = points_along(stretch[np.newaxis], n_pieces)
-    best = np.concatenate(
-        [
-            _nearest(part, whole / length, low, high, tolerance)
-            for part in np.split(middle, range(_TOGETHER, n_pieces, _TOGETHER))
-        ]
-    )
+    best = in_chunks(lambda part: _nearest(part, whole / length, low, high, tolerance), middle)
     half = np.abs(whole) / n_pieces / 2
     for joint in np.unique(best[best >= 0]):
         pieces = middle[best == joint]
@@ -146,7 +146,7 @@ def describe_level(
 
     check_positive("drift limit", drift_limit)
     table = mapped.table
-    parts = pattern.stretches.assign(length_m=pattern.length_m)
+    parts = pattern.stretches
     chosen = wide(table, threshold)
     known = not np.isnan(pattern.drift_ratio)
     drift = min(float(drift_component(pattern.drift_ratio, drift_limit)), 1.0) if known else 0.0
@@ -158,18 +158,18 @@ def describe_level(
         "load_level": pattern.level,
         "drift_pct": 100 * pattern.drift_ratio if known else None,
         "cracks": wide(parts, threshold)["crack"].nunique(),
-        "crack_length_m": float(chosen["length_m"].sum()),
+        "crack_length_m": chosen["length_m"].sum(),
         "unmapped_m": mapped.unmapped_m,
         "surplus_m": mapped.surplus_m,
-        "undecided_m": float(chosen.loc[chosen["opening_m"].isna(), "length_m"].sum()),
-        "max_width_mm": float(parts["width_m"].max() / MILLIMETRE) if len(parts) else 0.0,
+        "undecided_m": chosen.loc[chosen["opening_m"].isna(), "length_m"].sum(),
+        "max_width_mm": parts["width_m"].max() / MILLIMETRE if len(parts) else 0.0,
         "psi": psi(wide(table, psi_from)),
         "psi_drawn": psi(wide(parts, psi_from)),
         **bounds,
     }
 
 
-def index_bounds(table, total_length, drift, threshold=THRESHOLD):
+def index_bounds(table, total_length, drift, threshold):
     """DI, DI_drift, DI_open, DI_slip of mapped cracks, each (low, high), equal where all modes are
     known.
 
@@ -177,7 +177,7 @@ def index_bounds(table, total_length, drift, threshold=THRESHOLD):
     """
 
     def share(selected):
-        return float(table.loc[selected, "length_m"].sum()) / total_length
+        return table.loc[selected, "length_m"].sum() / total_length
 
     opening, slip, width = (table[name] for name in ("opening_m", "slip_m", "width_m"))
     unknown = opening.isna()
@@ -185,15 +185,14 @@ def index_bounds(table, total_length, drift, threshold=THRESHOLD):
     slipped = share(slip.abs() > threshold)
     strong = share(unknown & (width > np.sqrt(2) * threshold))
     weak = share(unknown & (width > threshold) & (width <= np.sqrt(2) * threshold))
-    high = (opened + strong + weak, slipped + strong + weak)
     return {
         "DI": (
             least_index(drift, opened, slipped, strong),
             largest_index(drift, opened, slipped, strong, weak),
         ),
         "DI_drift": (drift, drift),
-        "DI_open": (opened, high[0]),
-        "DI_slip": (slipped, high[1]),
+        "DI_open": (opened, opened + strong + weak),
+        "DI_slip": (slipped, slipped + strong + weak),
     }
 
 

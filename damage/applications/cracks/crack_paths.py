@@ -9,18 +9,16 @@ they meet.  A polyline is simplified to straight parts.  Its path is the one of 
 by Dijkstra's algorithm, over a copy of the network for each part; what of a line is in an opening
 or beside the wall has none.  Joints of the path that are farther from the line than a tolerance are
 left out; what of the line has none within the tolerance is on no joint.
-
-The faces of a crack move apart across the *line*: a vertical crack of 1 mm opens head joints by 1
-mm, and bed joints slip.
 """
 
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import scipy  # sparse.csgraph where it is used: it starts slowly
 
+from damage.applications.cracks.crack_mapping import in_chunks
 from damage.checks import check_positive
 from damage.elementary import hypot
 from damage.measure.cracks import ends_of, points_along
@@ -35,21 +33,18 @@ AROUND_M = 1.0
 MOST_TOGETHER = 100
 """Stretches of a polyline whose path is searched at once: a longer one is several, for memory."""
 _SAMPLE = 5 * MILLIMETRE  # pieces of lines whose distance from the path is worked out
-_CHUNK = 400  # of them at once: memory
 _SAME = 1e-6  # [m], two corners closer than this are one
 # cost of a metre between an end or a corner of the line and the corner of joints that stands for it
 _END = 10.0
 
 
-@dataclass(frozen=True)
-class CrackPaths:
+class CrackPaths(NamedTuple):
     """Drawn cracks on joints.
 
     table: DataFrame, a row each joint of each polyline's path: line (index), joint (index), stretch
-    (index of the nearest), length_m, across: part of an opening across the line that opens the
-    joint [-], 0 where it would close it; drawn_m, on_joints_m: length of all polylines, and of what
-    has joints of its path within the tolerance; apart_m: largest distance of a joint of a path from
-    its line.
+    (index of the nearest), length_m; drawn_m, on_joints_m: length of all polylines, and of what has
+    joints of its path within the tolerance; apart_m: largest distance of a joint of a path from its
+    line.
     """
 
     table: pd.DataFrame
@@ -91,42 +86,32 @@ def crack_paths(stretches, layout, tolerance=None):
     )
     network = _Network(layout)
     first = 0
-    rows = []
+    tables = [pd.DataFrame(columns=["line", "joint", "stretch"], dtype=int)]
     on_joints = 0.0
     apart = 0.0
     for number, line in enumerate(lines_of(places)):
         drawn = np.stack([line[:-1], line[1:]], axis=1)
         pieces = network.in_masonry(_simplified(line, SIMPLER), brick.height / 2)
         paths = [network.path(piece, brick.height) for piece in pieces]
-        joint, along = map(np.concatenate, zip((np.zeros(0, int), np.zeros(0)), *paths))
+        joint = np.concatenate([np.zeros(0, int), *paths])
         middle = network.ends[joint].mean(axis=1)
         distance = _distances(middle, drawn)
         near = distance.min(axis=1, initial=np.inf) <= tolerance
         joint = joint[near]
-        along = along[near]
         distance = distance[near]
         on_joints += network.covered(drawn, joint, tolerance, brick.height / 2)
         apart = max(apart, distance.min(axis=1).max(initial=0.0))
-        rows.append(
-            pd.DataFrame(
-                {
-                    "line": number,
-                    "joint": joint,
-                    "stretch": first + distance.argmin(axis=1),
-                    "across": np.maximum(along, 0.0),
-                }
-            )
-        )
+        stretch = first + distance.argmin(axis=1)
+        tables.append(pd.DataFrame({"line": number, "joint": joint, "stretch": stretch}))
         first += len(drawn)
-    empty = pd.DataFrame({"line": [0], "joint": [0], "stretch": [0], "across": [0.0]}).iloc[:0]
-    table = pd.concat([row for row in rows if len(row)] or [empty], ignore_index=True)
+    table = pd.concat(tables, ignore_index=True)
     table["length_m"] = network.length[table["joint"]]
-    drawn_m = float(hypot(*(places[:, 1] - places[:, 0]).T).sum())
+    drawn_m = hypot(*(places[:, 1] - places[:, 0]).T).sum()
     return CrackPaths(
         table.drop_duplicates(["line", "joint"], ignore_index=True),
         drawn_m,
         on_joints,
-        float(apart),
+        apart,
     )
 
 
@@ -151,11 +136,9 @@ def _distances(points, segments):
     return np.linalg.norm(away - share[..., np.newaxis] * along, axis=2)
 
 
-def _in_chunks(function, points):
-    """A function of points (n, 2) that gives (n,), for a few of them at a time."""
-    return np.concatenate(
-        [function(part) for part in np.split(points, range(_CHUNK, len(points), _CHUNK))]
-    )
+def _from_nearest(points, segments):
+    """Distance (n_points,) [m] of points (n, 2) from the nearest of segments (k, 2, 2)."""
+    return in_chunks(lambda part: _distances(part, segments).min(axis=1), points)
 
 
 class _Network:
@@ -197,20 +180,18 @@ class _Network:
             points = points[:, np.newaxis]
             return ((points >= low[near]) & (points <= high[near])).all(axis=2).any(axis=1)
 
-        return _in_chunks(inside, points)
+        return in_chunks(inside, points)
 
     def covered(self, drawn, joint, tolerance, margin):
         """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these
         joints within the tolerance [m]."""
         covered = 0.0
         for start, end in drawn if len(joint) else ():
-            length = float(hypot(*(end - start)))
+            length = hypot(*(end - start))
             n = max(1, int(np.ceil(length / _SAMPLE)))
             (middle,) = points_along(np.array([[start, end]]), n)
-            near = _in_chunks(
-                lambda points: _distances(points, self.ends[joint]).min(axis=1), middle
-            ) <= tolerance * (1 + 1e-9)
-            covered += length * float((near & self._has(middle, margin)).mean())
+            near = _from_nearest(middle, self.ends[joint]) <= tolerance * (1 + 1e-9)
+            covered += length * (near & self._has(middle, margin)).mean()
         return covered
 
     def in_masonry(self, line, margin):
@@ -234,17 +215,12 @@ class _Network:
         return [np.array(piece) for piece in pieces]
 
     def path(self, line, height):
-        """(joint, cosine of the angle between the line and the way along the joint) of each joint
-        of the path of a polyline (n, 2) [m]; height: of a brick [m]."""
+        """The joints of the path of a polyline (n, 2) [m], in the order of the way; height: of a
+        brick [m]."""
         parts = np.stack([line[:-1], line[1:]], axis=1)
-        low = line.min(axis=0)
-        high = line.max(axis=0)
-        near = np.flatnonzero(
-            ((self.corners >= low - AROUND_M) & (self.corners <= high + AROUND_M)).all(axis=1)
-        )
-        near = near[_distances(self.corners[near], parts).min(axis=1, initial=np.inf) <= AROUND_M]
+        near = np.flatnonzero(_from_nearest(self.corners, parts) <= AROUND_M)
         if len(near) == 0:
-            return np.zeros(0, int), np.zeros(0)
+            return np.zeros(0, int)
         local = np.full(len(self.corners), -1)
         local[near] = np.arange(len(near))
         joint = np.flatnonzero((local[self.corner] >= 0).all(axis=1))
@@ -253,13 +229,11 @@ class _Network:
             1 + (_distances(self.ends[joint].mean(axis=1), parts) / height) ** 2
         )
         n = len(near)
-        n_parts = len(parts)
-        # (n, n_parts + 1)
         turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)
         # of the network there is a copy for each part, and an end and a corner cost on the way on
         nodes = np.arange(n)
-        source = n * n_parts
-        copy = n * np.arange(n_parts)[:, np.newaxis]
+        source = n * len(parts)
+        copy = n * np.arange(len(parts))[:, np.newaxis]
         edges = [
             (first + copy, second + copy, cost.T),
             (second + copy, first + copy, cost.T),
@@ -279,13 +253,5 @@ class _Network:
         nodes = np.array(nodes[-2:0:-1], int)  # without the source and the end
         # steps along a joint, which stay at one part of the line
         inside = nodes[:-1] // n == nodes[1:] // n
-        begin = nodes[:-1][inside]
-        start = near[begin % n]
-        end = near[nodes[1:][inside] % n]
-        joint = np.array(
-            [self.joint_of[min(a, b), max(a, b)] for a, b in zip(start.tolist(), end.tolist())], int
-        )
-        travel = self.corners[end] - self.corners[start]
-        travel = travel / hypot(*travel.T)[:, np.newaxis]
-        along = (line[1:] - line[:-1])[begin // n]
-        return joint, (along * travel).sum(axis=1) / hypot(*along.T)
+        steps = near[np.column_stack([nodes[:-1], nodes[1:]])[inside] % n]
+        return np.array([self.joint_of[tuple(sorted(step))] for step in steps.tolist()], int)

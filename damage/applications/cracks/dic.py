@@ -10,8 +10,8 @@ the stresses; `report` bounds it.  Slip is the offset of the two bricks along th
 `displacement` in a simulation, whether the joint is open or closed.
 """
 
-from dataclasses import dataclass
 from math import isnan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,8 +51,7 @@ STUCK = 5.0
 """Deviations of the noise from which a point without displacement is not one of its brick."""
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """Displacements at one load level: points, displacement (n, 2) [m], x and z; level, drift_ratio
     (NaN where the file gives none)."""
 
@@ -62,8 +61,7 @@ class Field:
     displacement: np.ndarray
 
 
-@dataclass(frozen=True)
-class Motions:
+class Motions(NamedTuple):
     """Rigid motions of the bricks.
 
     motion: (n_bodies, 3) displacement of the centres [m, m] and rotation [rad], NaN for a brick
@@ -79,8 +77,7 @@ class Motions:
     spread: np.ndarray
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """Opening and slip of the joints at one level of a DIC field.
 
     opening, slip: (n_joints,) [m], NaN where a brick was not seen; deviation: (n_joints,) standard
@@ -102,28 +99,25 @@ def read_field(path):
     displacement, which the correlation lost, are left out.  Raises InputError with the line."""
     table = read_csv(path, REQUIRED | OF_LEVEL, REQUIRED)
     table.refuse_empty("x_m", "z_m")
-    level = levels_of(table)
-    x, z, ux, uz, drift = table.rows[[*REQUIRED, "drift_pct"]].to_numpy().T
+    rows = table.rows
     table.refuse(
-        np.isnan(ux) != np.isnan(uz), "one displacement of two; give ux_m and uz_m, or neither"
+        rows["ux_m"].isna() != rows["uz_m"].isna(),
+        "one displacement of two; give ux_m and uz_m, or neither",
     )
     fields = []
-    for number in dict.fromkeys(level):
-        here = level == number
-        drifts = np.unique(drift[here & ~np.isnan(drift)])
+    for number, here in rows.groupby(levels_of(table), sort=False):
+        drifts = here["drift_pct"].dropna().unique()
         if len(drifts) > 1:
             raise InputError(
                 f"{path}: load level {number:g} has {len(drifts)} values of drift_pct; expected one"
             )
-        seen = here & ~np.isnan(ux)
-        fields.append(
-            Field(
-                number,
-                drifts[0] / 100 if len(drifts) else np.nan,
-                np.column_stack([x, z])[seen],
-                np.column_stack([ux, uz])[seen],
-            )
+        seen = here[here["ux_m"].notna()]
+        drift_ratio = drifts[0] / 100 if len(drifts) else np.nan
+        # a point after the other in memory, for the same sums
+        place, displacement = (
+            np.array(seen[list(names)], order="C") for names in (("x_m", "z_m"), ("ux_m", "uz_m"))
         )
+        fields.append(Field(number, drift_ratio, place, displacement))
     return fields
 
 
@@ -137,7 +131,7 @@ def rigid_motion(points, displacement):
     turn = np.arctan2(
         np.sum(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]), np.sum(before * after)
     )
-    return mean, float(turn)
+    return mean, turn
 
 
 def turned(points, turn):
@@ -145,7 +139,7 @@ def turned(points, turn):
     return np.column_stack(rigid_displacement(0.0, 0.0, turn, *points.T))
 
 
-def relative_to_base(field, margin=MARGIN):
+def relative_to_base(field, margin):
     """Displacements (n, 2) relative to the base, whose points lie below -margin; as they are
     without any."""
     base = field.points[:, 1] < -margin
@@ -167,7 +161,7 @@ def points_of_bricks(points, layout, margin):
         yield brick, order[course][np.abs(x[course] - bodies.x[brick]) <= half[0]]
 
 
-def brick_motions(field, layout, margin=MARGIN):
+def brick_motions(field, layout, margin):
     """Motions of the bricks of a Layout relative to the base, from the points of a Field."""
     bodies = layout.bodies
     n = layout.n_bodies
@@ -197,7 +191,7 @@ def brick_motions(field, layout, margin=MARGIN):
             " lower left corner) and the unit, or give a smaller --margin-mm"
         )
     motion[layout.n_bricks :] = 0.0
-    return Motions(motion, float(np.sqrt(squares / freedom)), n_points, centre, spread)
+    return Motions(motion, np.sqrt(squares / freedom), n_points, centre, spread)
 
 
 def opening_deviation(motions, layout):
@@ -226,7 +220,7 @@ def measure(fields, layout, margin=MARGIN):
         drift = field.drift_ratio
         top = motions.motion[layout.drift_bodies, 0]
         if isnan(drift) and not np.isnan(top).all():  # that of the top course, as in a simulation
-            drift = float(np.nanmean(top) / layout.drift_height)
+            drift = np.nanmean(top) / layout.drift_height
         levels.append(
             Measured(
                 opening=np.maximum(opening, 0.0),
@@ -258,7 +252,7 @@ def field_warnings(fields, measured, layout, margin=MARGIN):
 def _unseen(level, layout):
     """What is said of a Measured that shows less than half of the joints; None of another."""
     length = layout.joint_length
-    seen = float(length[~np.isnan(level.opening)].sum() / length.sum())
+    seen = length[~np.isnan(level.opening)].sum() / length.sum()
     if seen >= LEAST_SEEN:
         return None
     return (
@@ -275,9 +269,7 @@ def _moving_base(field, level, layout, margin):
     seen = np.flatnonzero(~np.isnan(level.motion[:n, 0]))
     moved = np.hypot(*level.motion[seen, :2].T)
     lowest = seen[z[seen] == z[seen].min()]
-    low, high = (
-        float(np.median(moved[z[seen] == edge])) for edge in (z[seen].min(), z[seen].max())
-    )
+    low, high = (np.median(moved[z[seen] == edge]) for edge in (z[seen].min(), z[seen].max()))
     if low > max(MOVES_M, UPSIDE * high):
         return (
             f"the lowest course moves by {low / MILLIMETRE:.3g} mm, the top one by"
@@ -290,7 +282,7 @@ def _moving_base(field, level, layout, margin):
     displacement = level.motion[lowest, :2]
     mean, turn = rigid_motion(centres, displacement)
     rigid = mean + turned(centres - centres.mean(axis=0), turn)
-    largest = float(np.hypot(*rigid.T).max())
+    largest = np.hypot(*rigid.T).max()
     if largest < MOVES_M or np.hypot(*(displacement - rigid).T).max() > RIGID * largest:
         return None
     return (
@@ -363,9 +355,9 @@ def report(measured, layout):
         np.tan(wall.joint.friction_angle) * weight / contacts.shear_stiffness[:n], initial=0.0
     )
     length = layout.joint_length
-    unseen = [float(length[np.isnan(level.opening)].sum()) for level in measured]
+    unseen = [length[np.isnan(level.opening)].sum() for level in measured]
     deviation = [
-        float(np.median(level.deviation[np.isfinite(level.opening)]))
+        np.median(level.deviation[np.isfinite(level.opening)])
         for level in measured
         if np.isfinite(level.opening).any()
     ]
@@ -373,6 +365,6 @@ def report(measured, layout):
         "noise_m": max(level.noise for level in measured),
         "opening_deviation_m": max(deviation, default=np.nan),
         "unseen_m": max(unseen),
-        "elastic_opening_m": float(opening),
-        "elastic_slip_m": float(slip),
+        "elastic_opening_m": opening,
+        "elastic_slip_m": slip,
     }

@@ -89,7 +89,7 @@ def _fields(given):
         if tolerance_mm is not None:
             raise InputError("--tolerance-mm belongs to --cracked; give both")
         return {}
-    tolerance_m = None if tolerance_mm is None else tolerance_mm * MILLIMETRE
+    tolerance_m = tolerance_mm and tolerance_mm * MILLIMETRE
     return {"joints_without_bond": Surveyed.read(given.cracked, tolerance_m)}
 
 

@@ -56,12 +56,12 @@ class Survey:
     """The cracks of a survey on the joints of a wall.
 
     file, sha256: of the file; pattern: CrackPattern as drawn; table: DataFrame, a row each joint:
-    joint, crack, length_m, opening_m, slip_m, width_m (of the widest crack there), offset (1 seen,
-    0 not, NaN unknown); n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m:
-    largest distance of joints from the lines that they stand for; detection_limit_m, width_error_m:
-    of the file, else THRESHOLD, or the narrowest surveyed width below it, and WIDTH_ERROR;
-    looked_at: joints that were looked at (n_joints,): all of them where the survey names no area
-    without a crack; notes: sentences on what was assumed.
+    joint, length_m, crack, width_m (of the widest crack there), offset (1 seen, 0 not, NaN
+    unknown); n_joints: of the wall; share_on_joints: of the drawn length [-]; apart_m: largest
+    distance of joints from the lines that they stand for; detection_limit_m, width_error_m: of the
+    file, else THRESHOLD, or the narrowest surveyed width below it, and WIDTH_ERROR; looked_at:
+    joints that were looked at (n_joints,): all of them where the survey names no area without a
+    crack; notes: sentences on what was assumed.
     """
 
     file: str
@@ -77,46 +77,29 @@ class Survey:
     notes: tuple[str, ...]
 
     @property
-    def count(self):
-        """Number of cracks, by the labels of the file."""
-        return self.pattern.stretches["crack"].nunique()
-
-    @property
-    def opening_m(self):
-        """Opening of each contact point (n_joints,) [m], 0 where there is no crack."""
-        return self._of_joints("opening_m")
-
-    @property
     def width_m(self):
         """Crack width of each contact point (n_joints,) [m], 0 where there is none."""
-        return self._of_joints("width_m")
-
-    @property
-    def psi(self):
-        """Psi [-] of the cracks as they were drawn."""
-        return psi(self.pattern.stretches.assign(length_m=self.pattern.length_m))
+        width = np.zeros(self.n_joints)
+        width[self.table["joint"]] = self.table["width_m"]
+        return width
 
     def as_dict(self):
-        """Its key numbers, fit for JSON."""
-        widths = self.pattern.stretches["width_m"]
+        """Its key numbers, fit for JSON: cracks by the labels of the file, Psi as they were
+        drawn."""
+        parts = self.pattern.stretches
         return {
             "file": self.file,
             "sha256": self.sha256,
-            "cracks": self.count,
-            "crack_length_m": float(self.pattern.length_m.sum()),
-            "psi": self.psi,
-            "max_width_mm": float(widths.max() / MILLIMETRE) if len(widths) else 0.0,
+            "cracks": parts["crack"].nunique(),
+            "crack_length_m": parts["length_m"].sum(),
+            "psi": psi(parts),
+            "max_width_mm": parts["width_m"].max() / MILLIMETRE if len(parts) else 0.0,
             "share_on_joints": self.share_on_joints,
             "apart_m": self.apart_m,
             "detection_limit_mm": self.detection_limit_m / MILLIMETRE,
             "width_error_mm": self.width_error_m / MILLIMETRE,
             "notes": list(self.notes),
         }
-
-    def _of_joints(self, name):
-        values = np.zeros(self.n_joints)
-        values[self.table["joint"]] = self.table[name]
-        return values
 
 
 def read_survey(path, wall):
@@ -131,24 +114,16 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
     _refuse_contradictions(pattern, file, wall)
     paths = crack_paths(parts, wall)
     check_share(paths, file, wall)
-    offset = np.full(len(parts), np.nan) if pattern.offset is None else pattern.offset
-    stretch = paths.table["stretch"].to_numpy(int)
-    # of a width alone all is opening
-    opening_m = parts["opening_m"].fillna(parts["width_m"]).to_numpy(float)
-    segments = paths.table[["joint", "length_m"]].assign(
-        crack=parts["crack"].to_numpy()[stretch],
-        width_m=parts["width_m"].to_numpy(float)[stretch],
-        opening_m=opening_m[stretch] * paths.table["across"],
-        offset=offset[stretch],
-    )
-    segments["slip_m"] = np.sqrt(
-        np.maximum(segments["width_m"] ** 2 - segments["opening_m"] ** 2, 0.0)
-    )
     segments = (
-        segments.sort_values("width_m", ascending=False, kind="stable")
+        paths.table[["joint", "length_m", "stretch"]]
+        .join(parts[["crack", "width_m", "offset"]], on="stretch")
+        .sort_values("width_m", ascending=False, kind="stable")
         .drop_duplicates("joint")
         .sort_values("joint", ignore_index=True)
     )
+    x, z = (getattr(wall.contacts, name)[: wall.n_joints] for name in "xz")
+    looked_at = _within(np.column_stack([x, z]), pattern.clear) | (len(pattern.clear) == 0)
+    looked_at[segments["joint"]] = True
     limit = pattern.detection_limit_m
     error = pattern.width_error_m
     narrowest = float(parts["width_m"][parts["width_m"] > 0].to_numpy(float).min(initial=THRESHOLD))
@@ -163,7 +138,7 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
         apart_m=paths.apart_m,
         detection_limit_m=known[0],
         width_error_m=known[1],
-        looked_at=_looked_at(pattern.clear, segments["joint"], wall),
+        looked_at=looked_at,
         notes=tuple(_assumed(pattern, known)),
     )
 
@@ -171,8 +146,7 @@ def survey_of(pattern, wall, file="the survey", sha256=""):
 def _refuse_contradictions(pattern, file, wall):
     """Raise InputError of a survey that says two things."""
     parts = pattern.stretches
-    length = pattern.length_m
-    widest = float(parts["width_m"].max()) if len(parts) else 0.0
+    widest = parts["width_m"].max() if len(parts) else 0.0
     limit = pattern.detection_limit_m
     if widest > WIDEST_M:
         raise InputError(
@@ -194,18 +168,13 @@ def _refuse_contradictions(pattern, file, wall):
             f"{file}: the part of crack {parts['crack'].iloc[k]} from {start} to {end} m is there"
             " twice; expected each part of a crack once, leave one out"
         )
-    inside = float(length @ _share_in(ends, pattern.clear))
+    # by 20 points of each part
+    inside = parts["length_m"] @ _within(points_along(ends), pattern.clear).mean(axis=1)
     if inside > wall.wall.brick.length / 2:
         raise InputError(
             f"{file}: {inside:.2f} m of cracks lie in areas of mode none, which have no crack;"
             " expected areas beside the cracks, make them smaller or leave them out"
         )
-
-
-def _share_in(ends, areas):
-    """Share of the length of straight parts (n, 2, 2) in rectangles (n, 4) [m], by 20 points of
-    each."""
-    return _within(points_along(ends), areas).mean(axis=1)
 
 
 def _within(place, areas):
@@ -227,15 +196,6 @@ def check_share(paths, file, wall):
         )
 
 
-def _looked_at(clear, on_cracks, wall):
-    x, z = (getattr(wall.contacts, name)[: wall.n_joints] for name in "xz")
-    if len(clear) == 0:
-        return np.ones(wall.n_joints, bool)
-    seen = _within(np.column_stack([x, z]), clear)
-    seen[on_cracks] = True
-    return seen
-
-
 def _assumed(pattern, known):
     """Sentences on what a survey does not say; known: detection limit and error of widths that are
     taken [m]."""
@@ -249,7 +209,7 @@ def _assumed(pattern, known):
     if len(pattern.clear) == 0:
         yield "the survey names no area without a crack: the whole wall is taken as looked at"
     widths = pattern.stretches["width_m"].to_numpy(float)
-    if len(widths) and (wide := implausible_width(float(widths.max()) / MILLIMETRE)):
+    if len(widths) and (wide := implausible_width(widths.max() / MILLIMETRE)):
         yield wide
     below = widths[(widths > 0) & ~cracked(widths, known[0])]
     if len(below):
@@ -266,8 +226,8 @@ def _assumed(pattern, known):
     alone = pattern.stretches["opening_m"].isna().to_numpy()
     if alone.any():
         yield (
-            f"{pattern.length_m[alone].sum():.2f} m of cracks give their width alone: all of it is"
-            " taken as opening across the line"
+            f"{pattern.stretches['length_m'][alone].sum():.2f} m of cracks give their width alone:"
+            " all of it is taken as opening across the line"
         )
 
 
@@ -323,7 +283,7 @@ def distance(survey, opening_m, offset_m, wall):
     """
     drawn, known_m = surveyed(survey, wall)
     simulated = seen_of(survey, np.atleast_2d(opening_m), np.atleast_2d(offset_m), wall)
-    return float(distances(drawn, simulated, survey.width_error_m, known_m)[0])
+    return distances(drawn, simulated, survey.width_error_m, known_m)[0]
 
 
 def distances(reference, patterns, error_m, known_m):
@@ -379,13 +339,11 @@ def beside(survey, opening_m, offset_m, wall):
         "distance": distance(survey, opening_m, offset_m, wall),
         "pattern": places.scores(surveyed_joints, run_joints),
         "widths": {
-            "cracks": [survey.count, count],
-            "joints_m": [
-                float(places.length[flags].sum()) for flags in (surveyed_joints, run_joints)
-            ],
+            "cracks": [drawn["cracks"], count],
+            "joints_m": [places.length[flags].sum() for flags in (surveyed_joints, run_joints)],
             "max_width_mm": [drawn["max_width_mm"], float(widths[1].max(initial=0.0) / MILLIMETRE)],
             "mean_width_mm": [float(mean / MILLIMETRE) for mean in means],
-            "psi": [survey.psi, float(psi_value(count, means[1]))],
+            "psi": [drawn["psi"], float(psi_value(count, means[1]))],
         },
         "positions": {
             "of_survey": _near(places, surveyed_joints, run_joints),
@@ -402,7 +360,7 @@ def _near(places, flags, others):
         return None
     tree = scipy.spatial.cKDTree(np.column_stack([places.x[others], places.z[others]]))
     near = tree.query(np.column_stack([places.x[flags], places.z[flags]]))[0] <= NEAR_M
-    return float(places.length[flags][near].sum() / places.length[flags].sum())
+    return places.length[flags][near].sum() / places.length[flags].sum()
 
 
 def on_joints(survey):

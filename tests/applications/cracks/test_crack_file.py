@@ -58,7 +58,9 @@ def test_levels_polylines_and_sizes(tmp_path):
     assert first.stretches["slip_m"].to_numpy() == pytest.approx(
         [-0.4e-3, nan, 0.5e-3], nan_ok=True
     )
-    assert first.length_m == pytest.approx([0.1, sqrt(0.1**2 + 0.05**2), 0.1])
+    assert first.stretches["length_m"].to_numpy() == pytest.approx(
+        [0.1, sqrt(0.1**2 + 0.05**2), 0.1]
+    )
 
 
 @pytest.mark.parametrize(

@@ -255,7 +255,6 @@ def made(**width_mm):
         dict.fromkeys(STATES, at_rest),
         {name: np.isinf(values).any(axis=1) for name, values in opening.items()},
         np.zeros((n_joints, 2, 2)),
-        np.ones(n_joints),
         {},
         pd.DataFrame({"profile": ["knick"] * n, "distortion": 0.001}),
     )
@@ -323,8 +322,9 @@ class TestButFor:
 
 
 def crack_survey(stretches, joints, looked_at=(True, True)):
-    """A Survey by rows of its stretches, (crack, x, z, x, z, width [m]), and of its joints."""
-    parts = pd.DataFrame(stretches, columns=["crack", *ENDS, "width_m"])
+    """A Survey by rows of its stretches, (crack, x, z, x, z, width [m]), each 1 m long, and of its
+    joints."""
+    parts = pd.DataFrame(stretches, columns=["crack", *ENDS, "width_m"]).assign(length_m=1.0)
     table = pd.DataFrame(joints, columns=["crack", "joint"])
     return Survey(
         *("survey.csv", "", CrackPattern(1, np.nan, parts), table, 2),

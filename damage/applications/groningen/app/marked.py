@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED
+from damage.applications.cracks.crack_file import OF_SURVEY, REQUIRED, SEEN_AS
 from damage.checks import check_choice, check_range
 from damage.errors import InputError
 from damage.measure.cracks import ENDS
@@ -26,17 +26,15 @@ def surveyed(survey, layout):
 
 def redrawn(pattern):
     """Cracks and areas of a CrackPattern that the page wrote, as it draws them."""
-    seen = {1.0: "yes", 0.0: "no"}
-    parts = pattern.stretches.assign(seen=pattern.offset)
     cracks = []
-    for _, line in parts.groupby("line"):
+    for _, line in pattern.stretches.groupby("line"):
         ends = line[list(ENDS)].to_numpy(float)
         cracks.append(
             {
                 "label": str(line["crack"].iloc[0]),
                 "points": [*ends[:, :2].tolist(), ends[-1, 2:].tolist()],
-                "width_mm": round(1e3 * float(line["width_m"].iloc[0]), 6),
-                "offset": seen.get(line["seen"].iloc[0], "unknown"),
+                "width_mm": round(1e3 * line["width_m"].iloc[0], 6),
+                "offset": SEEN_AS.get(line["offset"].iloc[0], "unknown"),
             }
         )
     return {

@@ -66,7 +66,7 @@ def worlds_of(width_m, prior, likeness=None):
 def effective(weight):
     """Effective number of draws [-] of weights (2, n) or (n,)."""
     of_draw = np.asarray(weight).reshape(-1, np.shape(weight)[-1]).sum(axis=0)
-    return float(of_draw.sum() ** 2 / (of_draw**2).sum()) if of_draw.any() else 0.0
+    return of_draw.sum() ** 2 / (of_draw**2).sum() if of_draw.any() else 0.0
 
 
 def share(hits, weight):
@@ -75,7 +75,7 @@ def share(hits, weight):
     total = weight.sum()
     if total == 0:
         return {"share": None, "low": None, "high": None, "draws": 0.0}
-    p = float((weight * hits).sum() / total)
+    p = (weight * hits).sum() / total
     n = effective(weight)
     low, high = wilson(p, n)
     return {"share": p, "low": low, "high": high, "draws": n}
@@ -85,9 +85,8 @@ def wilson(p, n):
     """Wilson's 95 % interval of a share p of n."""
     middle = p + Z95**2 / (2 * n)
     half = Z95 * np.sqrt(p * (1 - p) / n + Z95**2 / (4 * n * n))
-    return float(max(0.0, (middle - half) / (1 + Z95**2 / n))), float(
-        min(1.0, (middle + half) / (1 + Z95**2 / n))
-    )
+    scale = 1 + Z95**2 / n
+    return max(0.0, (middle - half) / scale), min(1.0, (middle + half) / scale)
 
 
 def table(worlds):
@@ -124,15 +123,15 @@ def widths(worlds, surveyed_mm=None, error_mm=0.0):
     return widths
 
 
-def quantiles(values, weight, shares=RANGE):
-    """Weighted quantiles of values of any shape, a list of float; None without a weight."""
+def quantiles(values, weight):
+    """Weighted quantiles RANGE of values of any shape, a list of float; None without a weight."""
     values = np.ravel(values)
     weight = np.ravel(weight)
     if not weight.sum() > 0:
         return None
     order = np.argsort(values, kind="stable")
     sums = np.cumsum(weight[order])
-    places = np.searchsorted(sums, np.array(shares) * sums[-1])
+    places = np.searchsorted(sums, np.array(RANGE) * sums[-1])
     return [float(value) for value in values[order][np.minimum(places, len(order) - 1)]]
 
 
@@ -166,15 +165,14 @@ def of_cracks(twins, likeness, survey, answered=True):
     joint; said is "open", too, unless answered.
     """
     asked = WITHOUT if twins.ground_is_known else WITHOUT[:1]
-    stretches = survey.pattern.stretches.assign(length_m=survey.pattern.length_m)
     joints = survey.table.groupby("crack")["joint"].agg(list)
     cracks = []
-    for label, parts in stretches.groupby("crack", sort=False):
+    for label, parts in survey.pattern.stretches.groupby("crack", sort=False):
         ends = ends_of(parts)
         row = {
             "crack": str(label),
-            "width_mm": float(parts["width_m"].max() / MILLIMETRE),
-            "length_m": float(parts["length_m"].sum()),
+            "width_mm": parts["width_m"].max() / MILLIMETRE,
+            "length_m": parts["length_m"].sum(),
             "from_m": ends[0, 0].tolist(),
             "to_m": ends[-1, 1].tolist(),
         }

@@ -63,11 +63,10 @@ class Twins:
     """The draws of a claim that are done.
 
     numbers: (n,) of the lives; opening_m, offset_m: {of STATES: (n, n_joints)} [m] at rest; fell:
-    {of STATES: (n,)}; ends: (n_joints, 2, 2) [m] and length_m: (n_joints,) of the contact points;
-    events: {of SHAKEN, BOTH: table of `damage.applications.groningen.life.results.life_of` of all
-    draws}; settlement: a row a draw: profile, distortion; made_by: {of MADE_BY: what it was when
-    the draws were made}; outside: of each run, which quantities are outside the range of validity,
-    in words.
+    {of STATES: (n,)}; ends: (n_joints, 2, 2) [m] of the contact points; events: {of SHAKEN, BOTH:
+    table of `damage.applications.groningen.life.results.life_of` of all draws}; settlement: a row a
+    draw: profile, distortion; made_by: {of MADE_BY: what it was when the draws were made}; outside:
+    of each run, which quantities are outside the range of validity, in words.
     """
 
     numbers: np.ndarray
@@ -75,7 +74,6 @@ class Twins:
     offset_m: dict
     fell: dict
     ends: np.ndarray
-    length_m: np.ndarray
     events: dict
     settlement: pd.DataFrame
     made_by: dict = field(default_factory=dict)
@@ -123,21 +121,19 @@ def twins_of(study, draws, folder, layout):
     records = read_records(folder)
     done = {SHAKEN: {}, BOTH: {}}
     for run in study.runs:
-        runs = {
-            run.offset + number: (record, folder / FOLDER / f"{run.name(number)}{ENDING}")
-            for number, record in records.of_point(run).items()
-        }
-        done[run.entry] |= {number: life for number, life in runs.items() if life[1].is_file()}
+        for number, record in records.of_point(run).items():
+            path = folder / FOLDER / f"{run.name(number)}{ENDING}"
+            if path.is_file():
+                done[run.entry][run.offset + number] = record, path
     numbers = sorted(done[SHAKEN].keys() & done[BOTH].keys())
     if len(numbers) < 2:
         raise InputError(
             f"{folder}: {len(numbers)} draws are done; expected at least two; run the claim again"
         )
+    runs = {point: [lives[number] for number in numbers] for point, lives in done.items()}
     patterns = {
-        point: [
-            read_patterns(path, record.get("patterns")) for record, path in map(runs.get, numbers)
-        ]
-        for point, runs in done.items()
+        point: [read_patterns(path, record.get("patterns")) for record, path in lives]
+        for point, lives in runs.items()
     }
     whole = {
         name: np.array(
@@ -145,33 +141,36 @@ def twins_of(study, draws, folder, layout):
         )
         for name, (point, moment) in STATES.items()
     }
-    rows = {point: [done[point][number][0]["row"] for number in numbers] for point in done}
+    rows = {point: [record["row"] for record, _ in lives] for point, lives in runs.items()}
     fell = {
-        point: np.array([row.get("collapsed_at_s") is not None for row in rows[point]])
-        for point in done
+        point: np.array([row.get("collapsed_at_s") is not None for row in of_point])
+        for point, of_point in rows.items()
     }
+    every_row = [*rows[SHAKEN], *rows[BOTH]]
     return Twins(
         numbers=np.array(numbers),
-        opening_m={name: runs[:, 0] for name, runs in whole.items()},
-        offset_m={name: runs[:, 1] for name, runs in whole.items()},
+        opening_m={name: at_rest[:, 0] for name, at_rest in whole.items()},
+        offset_m={name: at_rest[:, 1] for name, at_rest in whole.items()},
         fell={
             name: fell[point] if moment is None else np.zeros(len(numbers), bool)
             for name, (point, moment) in STATES.items()
         },
         ends=tributary_ends(joint_table(layout))[: layout.n_joints],
-        length_m=layout.contacts.length[: layout.n_joints],
         events={
             point: pd.concat(
-                [life_of(done[point][number][0], draws[point], number) for number in numbers],
+                [
+                    life_of(record, draws[point], number)
+                    for number, (record, _) in zip(numbers, lives)
+                ],
                 ignore_index=True,
             )
-            for point in done
+            for point, lives in runs.items()
         },
         settlement=pd.DataFrame(
             [{"profile": row["settlement"], "distortion": row["distortion"]} for row in rows[BOTH]]
         ),
-        made_by=_made_by(folder, [row for runs in rows.values() for row in runs]),
-        outside=tuple(row["outside_validity"] or "" for runs in rows.values() for row in runs),
+        made_by=_made_by(folder, every_row),
+        outside=tuple(row["outside_validity"] or "" for row in every_row),
     )
 
 
