@@ -49,20 +49,20 @@ def row(history, wall, law):
     most = float(history.series["drift_ratio"].abs().max())
     fell = line["ultimate_drift"] < 0.99 * most
     peak = found["peak_force_n"]
-    measured = float(np.mean(test.peak_force_n))
+    measured = test.figures
     print_row(
         f"{test.specimen}",
         law,
         f"{peak / 1e3:.1f}",
-        f"{100 * (peak / measured - 1):+.0f} %",
+        f"{100 * (peak / measured['peak_force_n'] - 1):+.0f} %",
         f"{found['secant_stiffness_n_per_m'] / 1e6:.0f}",
-        f"{100 * (found['secant_stiffness_n_per_m'] / np.mean(test.stiffness_n_per_m) - 1):+.0f} %",
+        f"{100 * (found['secant_stiffness_n_per_m'] / measured['stiffness_n_per_m'] - 1):+.0f} %",
         f"{shares['mode']} ({100 * shares['stair_share']:.0f} %)",
         test.mode,
         f"{100 * crack:.4f}" if crack else "-",
         f"{100 * test.first_crack:.4f}" if test.first_crack else "-",
         f"{100 * line['ultimate_drift']:.3f}" if fell else f"over {100 * most:.2f}",
-        " / ".join(f"{100 * drift:.2f}" for drift in test.ultimate_drift),
+        " / ".join(f"{100 * drift:.2f}" for drift in test.directions["ultimate_drift"]),
     )
 
 

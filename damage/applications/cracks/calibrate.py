@@ -170,10 +170,8 @@ def _stiffness(rows, stress, displacement):
     if not slopes:
         return None
     mean = np.mean(slopes)
-    several = len(slopes) > 1
-    deviation = np.std(slopes, ddof=1) if several else None
-    error = deviation / np.sqrt(len(slopes)) if several else None
-    return _value(mean, error, deviation / mean if several else None, len(slopes))
+    deviation = np.std(slopes, ddof=1) if len(slopes) > 1 else math.nan
+    return _value(mean, deviation / np.sqrt(len(slopes)), deviation / mean, len(slopes))
 
 
 def _mohr_coulomb(triplets):
@@ -212,9 +210,9 @@ def _mohr_coulomb(triplets):
 
 def _value(value, standard_error, scatter, specimens):
     numbers = {"value": value, "standard_error": standard_error, "scatter": scatter}
-    return {name: None if number is None else float(number) for name, number in numbers.items()} | {
-        "specimens": specimens
-    }
+    return {
+        name: None if math.isnan(number) else float(number) for name, number in numbers.items()
+    } | {"specimens": specimens}
 
 
 def describe(values):

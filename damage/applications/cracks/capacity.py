@@ -169,23 +169,17 @@ def loaded_curves(history: History) -> dict[str, pd.DataFrame]:
     {'positive': 825, 'negative': 825}
     """
     cyclic = pushed_loading(history).cycles > 0
-    curves = {
-        side: capacity_curve(history, sign)
-        for side, sign in (("positive", 1), ("negative", -1))[: 1 + cyclic]
-    }
-    curves = {
-        side: curve for side, curve in curves.items() if len(curve) and curve["force_n"].max() > 0
-    }
+    curves = {}
+    for side, sign in (("positive", 1), ("negative", -1))[: 1 + cyclic]:
+        curve = capacity_curve(history, sign)
+        if len(curve) and curve["force_n"].max() > 0:
+            width = float(curve["drift_ratio"].max()) / WINDOWS
+            curves[side] = curve if cyclic else averaged(curve, width)
     if not curves:
         raise InputError(
             f"{history.path}: the top was not pushed before the run ended ({history.status});"
             " expected an envelope; run it again"
         )
-    if not cyclic:
-        curves = {
-            side: averaged(curve, float(curve["drift_ratio"].max()) / WINDOWS)
-            for side, curve in curves.items()
-        }
     return curves
 
 
@@ -211,18 +205,19 @@ def capacity(history: History, to: float | None = None) -> dict:
     )
     to = to or means["ultimate_drift"]
     farthest = min(float(curve["drift_ratio"].max()) for curve in curves)
-    forces = [
-        (mean_force(curve, to), np.interp(to, curve["drift_ratio"], curve["force_n"]))
-        for curve in curves
-    ]
-    reaches = farthest >= FAR_ENOUGH * to
-    mean_and_left = np.mean(np.array(forces), axis=0).tolist() if reaches else (None, None)
+    mean = left = None
+    if farthest >= FAR_ENOUGH * to:
+        mean = float(np.mean([mean_force(curve, to) for curve in curves]))
+        left = float(
+            np.mean([np.interp(to, curve["drift_ratio"], curve["force_n"]) for curve in curves])
+        )
     return {
         "peak_force_n": float(peaks[0]),
         "drift_at_peak": float(peaks[1]),
         **means,
         "to": to,
-        **dict(zip(("mean_force_n", "left_n"), mean_and_left)),
+        "mean_force_n": mean,
+        "left_n": left,
         "farthest_drift": farthest,
         "ended": means["ultimate_drift"] <= FAR_ENOUGH * farthest,
         "failure": mode_shares(history, until=means["ultimate_drift"]),

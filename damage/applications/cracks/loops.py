@@ -50,7 +50,7 @@ def loop_measures(drift, force, height):
     high, low, most, least = (
         int(find(values)) for values in (drift, force) for find in (np.argmax, np.argmin)
     )
-    lost = height * float(scipy.integrate.trapezoid(force, drift))
+    lost = height * scipy.integrate.trapezoid(force, drift)
     stored = height * np.ptp(force) * np.ptp(drift) / 8
     values = [
         *(100 * drift[[high, low]]),
@@ -128,8 +128,6 @@ def read_loops(path):
         loops.append(row)
     points = table.rows[["force_kn", "drift_pct"]].abs()
     drifts_pct = points["drift_pct"].groupby(table.rows["loop"]).max()
-    odd = implausible_loops(
-        float(points["force_kn"].max()), drifts_pct, float(table.rows["height_m"].iloc[0])
-    )
+    odd = implausible_loops(points["force_kn"].max(), drifts_pct, table.rows["height_m"].iloc[0])
     warn(*(f"{path}: {message}" for message in odd))
     return loops

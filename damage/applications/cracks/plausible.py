@@ -35,7 +35,7 @@ def implausible_points(points, wall):
     """Warnings on points (n, 2) of a displacement field [m]; those below the wall are on its
     base."""
     points = points[points[:, 1] >= 0]
-    share = float(np.mean(_is_off(*points.T, wall))) if len(points) else 0.0
+    share = np.mean(_is_off(*points.T, wall)) if len(points) else 0.0
     return (
         _beside("of the points above the base", share, points, wall) if share > OFF_WALL else None
     )
@@ -74,8 +74,8 @@ def implausible_loops(largest_kn, drifts_pct, height):
     least, most = LOOP_DRIFT_PCT
     others = {"as a ratio": 100.0, "mm": 0.1 / height}
     drifts = plausible(least, most, "%", "", others=others)
-    largest = float(max(drifts_pct))
-    smallest = float(min(drifts_pct))
+    largest = max(drifts_pct)
+    smallest = min(drifts_pct)
     messages = [message_of("the largest force", largest_kn, LOOP_FORCE)]
     if largest < least:
         messages.append(message_of("the largest loop's drift", largest, drifts))
@@ -89,7 +89,7 @@ def _share_off(ends, wall):
     by more than a course."""
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     x, z = np.moveaxis(points_along(ends), -1, 0)
-    return float(length @ _is_off(x, z, wall).mean(axis=1) / length.sum())
+    return length @ _is_off(x, z, wall).mean(axis=1) / length.sum()
 
 
 def _is_off(x, z, wall):

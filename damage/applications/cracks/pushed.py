@@ -4,7 +4,8 @@ EUCENTRE's in-plane cyclic tests (Graziotti et al. 2016), `damage/data/eucentre`
 """
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -16,27 +17,12 @@ from damage.files import DATA
 from damage.measure.pushed import first_loading, hand_capacities
 
 TESTS = DATA / "eucentre" / "tests.csv"
+TESTED = pd.read_csv(TESTS, float_precision="round_trip").set_index("Specimen")
+"""The file's rows by specimen."""
 SPECIMENS = {
     "squat": "COMP1_3",
     "squat_tested": "COMP1_3",
-    **{
-        name.lower(): name
-        for name in (
-            "COMP1_1",
-            "COMP1_3",
-            "COMP2_1",
-            "COMP2_2",
-            "COMP2_3",
-            "COMP2_4",
-            "COMP2_5",
-            "MI1",
-            "MI2",
-            "ISP1",
-            "ISP3",
-            "ABRAMS_W1",
-            "ABRAMS_W3",
-        )
-    },
+    **{name.lower(): name for name in TESTED.index},
 }
 """Name of a wall -> the test that it models."""
 MODES = {"F": "flexure", "S": "shear", "H-FS": "flexure and shear", "SL": "sliding"}
@@ -52,90 +38,77 @@ FIGURES = {
     "ultimate_drift": ("ultimate drift", "%", 0.01),
 }
 """{figure of `capacity.capacity` and of a test: (words, unit, its size in SI)}; {}: a drift."""
+MEASURED = {
+    "peak_force_n": "Vmax{}_kN",
+    "drift_at_peak": "dVmax{}_pct",
+    "force_n": "Vbil{}_kN",
+    "elastic_drift": "de{}_pct",
+    "ultimate_drift": "du{}_pct",
+}
+"""{figure that was measured: its columns in the file}; {}: the direction, + or -."""
 
 
-@dataclass(frozen=True)
-class LaboratoryTest:
+class LaboratoryTest(NamedTuple):
     """Measured numbers of one wall.
 
-    peak_force_n, drift_at_peak, bilinear_force_n, elastic_drift, ultimate_drift: (2,), of loading
-    in positive and in negative direction; drifts are ratios; first_crack: the drift at which one
-    was seen, None where none was; mode: of MODES; height [m].
+    directions: DataFrame with the columns of FIGURES, but left_n, a row for loading in positive and
+    one for loading in negative direction; stiffness, energy and mean force are those of the
+    bilinear idealisation; first_crack: the drift at which one was seen, None where none was; mode:
+    of MODES.
     """
 
     specimen: str
     mode: str
-    height: float
-    peak_force_n: np.ndarray
-    drift_at_peak: np.ndarray
-    bilinear_force_n: np.ndarray
-    elastic_drift: np.ndarray
-    ultimate_drift: np.ndarray
+    directions: pd.DataFrame
     first_crack: float | None
-
-    @property
-    def stiffness_n_per_m(self):
-        """Stiffness of the bilinear idealisation, in both directions."""
-        return self.bilinear_force_n / (self.elastic_drift * self.height)
-
-    @property
-    def energy_j(self):
-        """Energy below the bilinear idealisation up to the ultimate drift, in both directions."""
-        plateau = self.ultimate_drift - self.elastic_drift / 2
-        return self.bilinear_force_n * plateau * self.height
 
     @property
     def figures(self):
         """{name: mean over both directions} of FIGURES; at its ultimate drift 0.8 of the peak are
         left."""
-        pairs = {name: getattr(self, name) for name in FIGURES if hasattr(self, name)} | {
-            "force_n": self.bilinear_force_n,
-            "mean_force_n": self.energy_j / self.ultimate_drift / self.height,
-        }
-        means = {name: float(np.mean(pair)) for name, pair in pairs.items()}
+        means = self.directions.mean().to_dict()
         return means | {"left_n": capacity.ULTIMATE_SHARE * means["peak_force_n"]}
 
 
 def read_test(specimen):
     """The LaboratoryTest of that name."""
-    table = pd.read_csv(TESTS, float_precision="round_trip").set_index("Specimen")
-    if specimen not in table.index:
-        raise InputError(f"no test {specimen}; expected one of {', '.join(table.index)}")
-    row = table.loc[specimen]
-
-    def pair(name, unit, factor):
-        return row[[f"{name}{sign}_{unit}" for sign in "+-"]].to_numpy(float) * factor
-
+    if specimen not in TESTED.index:
+        raise InputError(f"no test {specimen}; expected one of {', '.join(TESTED.index)}")
+    row = TESTED.loc[specimen]
+    height = row["H_m"]
+    directions = pd.DataFrame(
+        {
+            name: [row[column.format(sign)] * FIGURES[name][2] for sign in "+-"]
+            for name, column in MEASURED.items()
+        }
+    )
+    force, elastic, ultimate = (
+        directions[name] for name in ("force_n", "elastic_drift", "ultimate_drift")
+    )
+    energy = force * (ultimate - elastic / 2) * height
     return LaboratoryTest(
         specimen=specimen,
         mode=MODES[row["Failure mode"]],
-        height=float(row["H_m"]),
-        peak_force_n=pair("Vmax", "kN", 1e3),
-        drift_at_peak=pair("dVmax", "pct", 0.01),
-        bilinear_force_n=pair("Vbil", "kN", 1e3),
-        elastic_drift=pair("de", "pct", 0.01),
-        ultimate_drift=pair("du", "pct", 0.01),
+        directions=directions.assign(
+            stiffness_n_per_m=force / (elastic * height),
+            energy_j=energy,
+            mean_force_n=energy / ultimate / height,
+        ),
         first_crack=0.01 * row["dcr+_pct"] if np.isfinite(row["dcr+_pct"]) else None,
     )
 
 
-def _measured(history, to=None):
+def _measured(history, to):
     """The LaboratoryTest that a run's wall models, its figures, and the drift [-] to which mean
     forces count: `to`, else that of the test; None and {} where there is no test."""
-    test = read_test(SPECIMENS[history.wall]) if history.wall in SPECIMENS else None
-    figures = test.figures if test else {}
-    if to is None:
-        return test, figures, figures.get("ultimate_drift")
-    same = test and np.isclose(to, figures["ultimate_drift"], rtol=1e-3)
-    return (
-        test,
-        {
-            name: figure
-            for name, figure in figures.items()
-            if same or name not in ("mean_force_n", "left_n")
-        },
-        to,
-    )
+    if history.wall not in SPECIMENS:
+        return None, {}, to
+    test = read_test(SPECIMENS[history.wall])
+    figures = test.figures
+    own_drift = figures["ultimate_drift"]
+    if to is not None and not np.isclose(to, own_drift, rtol=1e-3):
+        del figures["mean_force_n"], figures["left_n"]
+    return test, figures, own_drift if to is None else to
 
 
 def _title(name, to):
@@ -152,32 +125,16 @@ def figures(history, to=None):
     means = capacity.capacity(history, to)
     initial = first_loading(history)["initial_stiffness_n_per_m"]
     shares = means["failure"]
+    over = "" if means["ended"] else ", not reached: over"
     rows = [("stiffness, initial", "kN/mm", initial and initial / 1e6, None)]
     for name, (_, unit, size) in FIGURES.items():
-        title = _title(name, to) + (
-            ", not reached: over" if name == "ultimate_drift" and not means["ended"] else ""
-        )
-        rows.append(
-            (
-                title,
-                unit,
-                *(
-                    None if value is None else value / size
-                    for value in (means[name], measured.get(name))
-                ),
-            )
-        )
-    crack = capacity.drift_at_first_crack(history)
+        title = _title(name, to) + over * (name == "ultimate_drift")
+        values = means[name], measured.get(name)
+        rows.append((title, unit, *(value and value / size for value in values)))
+    cracks = capacity.drift_at_first_crack(history), test and test.first_crack
     return [
         *rows,
-        (
-            "drift at the first crack (of 0.1 mm)",
-            "%",
-            *(
-                None if drift is None else 100 * drift
-                for drift in (crack, test and test.first_crack)
-            ),
-        ),
+        ("drift at the first crack (of 0.1 mm)", "%", *(drift and 100 * drift for drift in cracks)),
         ("share of the slipped length on stairs", "1", shares["stair_share"], None),
         ("failure mode at the ultimate drift", "", shares["mode"], test and test.mode),
     ]
@@ -220,7 +177,7 @@ def pushed_report(history, to=None, tested_loops=()):
 def _beside(table, loop):
     """A tested loop with what the cycles of a run have at the same half of the range of drift."""
     reach = (loop["max_drift_pct"] - loop["min_drift_pct"]) / 2
-    energy, damping = (float(value) for value in loops_at(table, reach))
+    energy, damping = loops_at(table, reach)
     return loop | {"run_dissipated_j": energy, "run_equivalent_damping": damping}
 
 
@@ -234,12 +191,17 @@ def drawn_range(values):
     return np.quantile(values, (0.05, 0.5, 0.95), method="weibull").tolist()
 
 
-def _as_given(history):
-    """What draws of a wall share of it: all where its inputs are given, else its shape."""
+def _common(history):
+    """What draws of a wall share: all of it where its inputs are given, else its shape; push, model
+    and solver."""
     wall = history.masonry_wall
-    if history.model.inputs == "given":
-        return wall
-    return wall.name, wall.length, wall.height, wall.openings, wall.outline
+    shape = wall.name, wall.length, wall.height, wall.openings, wall.outline
+    return (
+        wall if history.model.inputs == "given" else shape,
+        capacity.pushed_loading(history),
+        replace(history.model, strength_seed=0),
+        history.solver,
+    )
 
 
 def draws_report(histories, to=None):
@@ -249,17 +211,8 @@ def draws_report(histories, to=None):
     Raises InputError where runs are not of one wall and one push, or a draw is there twice."""
     first = histories[0]
     drawn = {}
-    alike = [
-        (
-            _as_given(history),
-            capacity.pushed_loading(history),
-            replace(history.model, strength_seed=0),
-            history.solver,
-        )
-        for history in histories
-    ]
-    for history, common in zip(histories, alike):
-        if common != alike[0]:
+    for history in histories:
+        if _common(history) != _common(first):
             raise InputError(
                 f"{history.path}: another wall, push or model than {first.path}; expected draws of"
                 " one, which differ in --strength-seed alone; leave it out"
