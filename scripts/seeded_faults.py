@@ -577,8 +577,8 @@ FAULTS = [
                 "lives",
                 "strata count by the lives that ran, not by their probability",
                 "damage/applications/groningen/life/estimate.py",
-                "float(weight @ (counts / count))",
-                "float(counts.sum() / n)",
+                "weight @ (counts / count)",
+                "counts.sum() / n",
                 "test_life",
             ),
             (

@@ -32,7 +32,8 @@ def exposure_picture(exposure):
     _over_time(time, shown, named)
     time.set_xlim(np.datetime64(f"{first}"), np.datetime64(f"{last + 1}"))
     _on_a_map(ground, exposure.place, table, shown, named)
-    title = (
+    style.put_title(
+        figure,
         (
             f"Latitude {exposure.place.latitude:.4f}, longitude {exposure.place.longitude:.4f}: PGV"
             f" ({exposure.model.component}) of {len(table)} events, {first} to {last}, {len(shown)}"
@@ -43,7 +44,6 @@ def exposure_picture(exposure):
             for k, event in enumerate(named, 1)
         ),
     )
-    style.put_title(figure, *title)
     return figure
 
 
@@ -134,7 +134,7 @@ def _towns(ax):
     (low, high) = ax.get_ylim()
     ax.set(xlim=(left, right), ylim=(low, high))
     for name, *degrees in pd.read_csv(TOWNS).itertuples(index=False):
-        x, y = (float(value) / 1e3 for value in to_rd(*degrees))
+        x, y = (value / 1e3 for value in to_rd(*degrees))
         if left < x < right and low < y < high:
             ax.plot(x, y, "s", color=style.DARK, ms=2, mew=0, zorder=3)
             below = name == "Appingedam"  # Delfzijl is beside it

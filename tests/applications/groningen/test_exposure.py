@@ -149,20 +149,21 @@ class TestPlaces:
 
 class TestCatalogue:
     def test_what_ships(self, catalogue):
-        assert len(catalogue) == 1474 and catalogue.years == (1991, 2022)
-        assert [int(np.sum(catalogue.magnitude >= m)) for m in (1.5, 2.0, 2.5, 3.0)] == [
+        events = catalogue.events
+        assert len(events) == 1474 and catalogue.years == (1991, 2022)
+        assert [int(np.sum(events.magnitude >= m)) for m in (1.5, 2.0, 2.5, 3.0)] == [
             356,
             118,
             44,
             14,
         ]
-        assert list(catalogue.time) == sorted(catalogue.time)
-        largest = int(np.argmax(catalogue.magnitude))
-        assert (catalogue.place[largest], catalogue.magnitude[largest]) == ("Huizinge", 3.6)
+        assert list(events.time) == sorted(events.time)
+        largest = events.loc[events.magnitude.idxmax()]
+        assert (largest.place, largest.magnitude) == ("Huizinge", 3.6)
 
     def test_fdsn_text_is_read_as_the_same_events(self, catalogue, tmp_path):
-        some = catalogue.select(slice(100, 110))
-        latitude, longitude = places.to_wgs84(some.x_m.astype(float), some.y_m.astype(float))
+        some = catalogue.events[100:110].reset_index(drop=True)
+        latitude, longitude = places.to_wgs84(some.x_m, some.y_m)
         path = tmp_path / "events.txt"
         path.write_text(
             "#EventID|Time|Latitude|Longitude|Depth/km|Author|Catalog|Contributor|ContributorID|MagType|"
@@ -173,9 +174,9 @@ class TestCatalogue:
                 for k in reversed(range(10))
             )
         )
-        found = read_catalogue(path)
+        found = read_catalogue(path).events
         for name in ("time", "magnitude", "place", "id"):
-            assert list(getattr(found, name)) == list(getattr(some, name))
+            assert list(found[name]) == list(some[name])
         assert np.hypot(found.x_m - some.x_m, found.y_m - some.y_m).max() < 1.0
 
     ALL = "#EventID|Time|Latitude|Longitude|Depth/km|Catalog|Magnitude|EventType\n"
@@ -240,7 +241,7 @@ class TestCatalogue:
         path = written(tmp_path / "events.txt", self.ALL + self.FIRST + line + "\n")
         found = read_catalogue(path)
         assert (
-            list(found.id) == ["a1"]
+            list(found.events.id) == ["a1"]
             and len(found.notes) >= 1
             and any(note in one for one in found.notes)
         )
@@ -272,10 +273,11 @@ class TestCatalogue:
             self.KNMI + line + "\n20190101,000001,Sea,54.2,4.1,3.0,2,manual\n",
         )
         found = read_catalogue(path)
-        assert [str(one) for one in found.time] == ["2018-01-08 14:00:52.160000+00:00", time]
-        assert list(found.place) == ["Zeerijp", "Wirdum"] and list(found.magnitude) == [3.4, 3.1]
-        assert len(set(found.id)) == 2, "the list has no identifiers, but these are two events"
-        assert (found.x_m[0], found.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
+        events = found.events
+        assert [str(one) for one in events.time] == ["2018-01-08 14:00:52.160000+00:00", time]
+        assert list(events.place) == ["Zeerijp", "Wirdum"] and list(events.magnitude) == [3.4, 3.1]
+        assert len(set(events.id)) == 2, "the list has no identifiers, but these are two events"
+        assert (events.x_m[0], events.y_m[0]) == pytest.approx(places.to_rd(53.363, 6.751))
         (note,) = found.notes
         assert note.endswith("left out as outside the Netherlands: line 4")
 
@@ -299,11 +301,10 @@ class TestCatalogue:
         output_of("catalogue", later, "--out", joined)
         found = read_catalogue(joined)
         assert (
-            len(found) == 1475
+            len(found.events) == 1475
             and f"{found.end:%Y-%m-%dT%H:%M:%S.%f}" == "2022-10-08T02:33:26.100000"
         )
-        for name in ("time", "magnitude", "x_m", "y_m", "place", "id"):
-            assert getattr(found, name)[:-1].tolist() == getattr(catalogue, name).tolist(), name
+        assert found.events[:-1].equals(catalogue.events)
         exposure = Exposure(places.at_degrees(*GARSTHUIZEN), found, model_named("bommer-2022"))
         assert exposure.as_dict()["catalogue_ends"] == "2022-10-08"
         assert "its last event is of 2022-10-08, the catalogue's of 2022-10-08" in error_of(

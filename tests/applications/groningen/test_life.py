@@ -148,7 +148,7 @@ class TestAddress:
         """Its median PGV, or the one drawn in a life, by a record within the rule."""
         draws = Draws(exposure, Choices())
         (median,) = draws.event("2012-08-16").itertuples()
-        k = list(exposure.catalogue.id).index(median.id)
+        k = list(exposure.catalogue.events["id"]).index(median.id)
         assert median.magnitude == 3.6 and median.pgv_mm_s == to_bits(exposure.median_mm_s[k])
         row = next(row for row in draws.components.itertuples() if row.record == median.record)
         assert median.scale == pytest.approx(median.pgv_mm_s / row.pgv_mm_s)

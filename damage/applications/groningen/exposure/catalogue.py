@@ -7,10 +7,10 @@ Groningen field, and all but one of an earthquake that several agencies list: th
 SHALLOW_KM, then the larger.  `Catalogue.notes` says which.
 """
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -77,38 +77,36 @@ _KNMI = {
     "DEPTH": "depth_km",
     "MAG": "magnitude",
 }  # of all_induced.csv, 20180419 and 093307.59
+_WRITTEN = {"x_m": "easting_rd_m", "y_m": "northing_rd_m", "id": "knmi_id"}
 _FDSN_NEEDED = ("time", "latitude", "longitude", "magnitude")
 
 
-@dataclass(frozen=True)
-class Catalogue:
-    """Events in the order of time, read-only arrays of one length.
+class Catalogue(NamedTuple):
+    """Earthquakes.
 
-    time: datetimes, UTC; magnitude [-]; x_m, y_m: epicentres in RD [m]; place, id: text; source:
-    path of the file; notes: sentences on events that were left out, or are doubtful.
+    events: DataFrame, a row an event in the order of time, numbered from 0: time (datetime, UTC),
+    magnitude [-], x_m, y_m (epicentre in RD [m]), place, id (text); source: path of the file;
+    notes: sentences on events that were left out, or are doubtful.
     """
 
-    time: np.ndarray
-    magnitude: np.ndarray
-    x_m: np.ndarray
-    y_m: np.ndarray
-    place: np.ndarray
-    id: np.ndarray
+    events: pd.DataFrame
     source: str
-    notes: tuple = ()
+    notes: tuple[str, ...] = ()
 
-    def __len__(self):
-        return len(self.time)
+    @property
+    def begin(self):
+        """Time of the first event."""
+        return self.events["time"].iloc[0]
 
     @property
     def end(self):
         """Time of the last event."""
-        return self.time[-1]
+        return self.events["time"].iloc[-1]
 
     @property
     def years(self):
         """Year of the first and of the last event."""
-        return self.time[0].year, self.time[-1].year
+        return self.begin.year, self.end.year
 
     def between(self, first, last):
         """The events of the years `first` to `last`, both included, None for the catalogue's own.
@@ -122,22 +120,13 @@ class Catalogue:
                     f"{option} {year}: the first event of {self.source} is of {begins}, its last of"
                     f" {ends}; expected a year from {begins} to {ends}"
                 )
-        chosen = np.array([first <= time.year <= last for time in self.time])
-        if not chosen.any():
+        chosen = [first <= time.year <= last for time in self.events["time"]]
+        if not any(chosen):
             raise InputError(
                 f"--from {first} --to {last}: {self.source} has no event in these years; expected a"
                 " first year before the last, and a longer time"
             )
-        return self.select(chosen)
-
-    def select(self, which):
-        """The events at an index, a slice or flags."""
-        return Catalogue(
-            *(getattr(self, name)[which] for name in _COLUMNS), self.source, self.notes
-        )
-
-
-_COLUMNS = "time", "magnitude", "x_m", "y_m", "place", "id"
+        return self._replace(events=self.events[chosen].reset_index(drop=True))
 
 
 def read_catalogue(path=SHIPPED):
@@ -165,29 +154,26 @@ def with_later(path, base=SHIPPED):
     one, and sentences on what the file adds.  Raises InputError where it adds none."""
     known = read_catalogue(base)
     newer = read_catalogue(path)
-    later = np.array([time > known.end for time in newer.time])
-    if not later.any():
+    new = newer.events[[time > known.end for time in newer.events["time"]]]
+    if new.empty:
         raise InputError(
             f"{path}: its last event is of {newer.end:%Y-%m-%d}, the catalogue's of"
             f" {known.end:%Y-%m-%d}; expected later ones; ask the service for events from that"
             " day on"
         )
-    new = newer.select(later)
-    joined = Catalogue(
-        *(np.concatenate([getattr(known, name), getattr(new, name)]) for name in _COLUMNS),
-        str(base),
-    )
-    largest = int(np.argmax(new.magnitude))
-    gap = (new.time[0] - known.end).days
+    joined = Catalogue(pd.concat([known.events, new], ignore_index=True), str(base))
+    begin = new["time"].iloc[0]
+    largest = new.loc[new["magnitude"].idxmax()]
+    gap = (begin - known.end).days
     notes = [
         (
-            f"{len(new)} of {len(newer)} events of {path} are later than {known.end:%Y-%m-%d}: from"
-            f" {new.time[0]:%Y-%m-%d} to {new.end:%Y-%m-%d}, the largest M"
-            f" {new.magnitude[largest]:.1f} of {new.time[largest]:%Y-%m-%d}"
+            f"{len(new)} of {len(newer.events)} events of {path} are later than"
+            f" {known.end:%Y-%m-%d}: from {begin:%Y-%m-%d} to {newer.end:%Y-%m-%d}, the largest M"
+            f" {largest.magnitude:.1f} of {largest.time:%Y-%m-%d}"
         ),
         *newer.notes,
     ]
-    if later.all() and gap > MOST_GAP_DAYS:
+    if len(new) == len(newer.events) and gap > MOST_GAP_DAYS:
         notes.append(
             f"between both lists are {gap} days without an event: look whether the file begins late"
             " enough before"
@@ -197,20 +183,11 @@ def with_later(path, base=SHIPPED):
 
 def write_catalogue(catalogue, path):
     """Write a Catalogue as CSV that `read_catalogue` reads; returns its path."""
-    rows = as_words(
-        pd.DataFrame(
-            {
-                "date_utc": [f"{time:%Y-%m-%d}" for time in catalogue.time],
-                "time_utc": [time.time().isoformat() for time in catalogue.time],
-                "magnitude": catalogue.magnitude,
-                "easting_rd_m": catalogue.x_m,
-                "northing_rd_m": catalogue.y_m,
-                "place": catalogue.place,
-                "knmi_id": catalogue.id,
-            }
-        )
-    )
-    return write_text(path, rows.to_csv(index=False, lineterminator="\n"))
+    events = catalogue.events
+    rows = events.drop(columns="time").rename(columns=_WRITTEN)
+    rows.insert(0, "date_utc", [f"{time:%Y-%m-%d}" for time in events["time"]])
+    rows.insert(1, "time_utc", [time.time().isoformat() for time in events["time"]])
+    return write_text(path, as_words(rows).to_csv(index=False, lineterminator="\n"))
 
 
 def _read_csv(path):
@@ -291,10 +268,8 @@ def _catalogue(path, table, times, leave_out=False):
                 f"{path}: no event that the ground-motion models are for; expected induced"
                 f" earthquakes of the Groningen field; {notes[0]}"
             )
-    columns = [renamed[name].to_numpy() for name in _COLUMNS]
-    for column in columns:
-        column.setflags(write=False)
-    return Catalogue(*columns, str(path), tuple(f"{path}: {note}" for note in notes))
+    events = renamed[["time", "magnitude", "x_m", "y_m", "place", "id"]].reset_index(drop=True)
+    return Catalogue(events, str(path), tuple(f"{path}: {note}" for note in notes))
 
 
 def _of_the_field(table):
@@ -340,7 +315,7 @@ def _one_by_one(events):
         for place in reversed(range(len(events_left))):
             other = events_left[place]
             seconds = (event.time - other.time).total_seconds()
-            km = float(hypot(event.x_m - other.x_m, event.y_m - other.y_m)) / 1e3
+            km = hypot(event.x_m - other.x_m, event.y_m - other.y_m) / 1e3
             most_s, most_km = ONE_EVENT[event.agency != other.agency]
             if seconds <= most_s and km <= most_km:
                 events_left[place], goes = (
@@ -359,13 +334,12 @@ def _one_by_one(events):
 @lru_cache(maxsize=1)
 def _field():
     """Epicentres (n, 2) of the catalogue that ships [m]."""
-    field = read_catalogue(SHIPPED)
-    return np.column_stack([field.x_m, field.y_m]).astype(float)
+    return read_catalogue(SHIPPED).events[["x_m", "y_m"]].to_numpy()
 
 
 def from_field_km(x_m, y_m):
     """Distance of a place in RD [m] from the nearest epicentre of the Groningen field [km]."""
-    return float(hypot(*(_field() - (x_m, y_m)).T).min()) / 1e3
+    return hypot(*(_field() - (x_m, y_m)).T).min() / 1e3
 
 
 def _lines(numbers):

@@ -12,8 +12,9 @@ from scipy.special import log_ndtr
 
 from damage.applications.groningen.exposure.catalogue import Catalogue, from_field_km
 from damage.applications.groningen.exposure.columns import TABLES
-from damage.applications.groningen.exposure.ground_motion import GroundMotionModel, checked_vs30
+from damage.applications.groningen.exposure.ground_motion import VS30_M_S, GroundMotionModel
 from damage.applications.groningen.exposure.places import Place, to_wgs84
+from damage.checks import check_range
 from damage.elementary import hypot
 from damage.errors import InputError
 from damage.provenance import shown_path
@@ -42,14 +43,14 @@ class Exposure:
     vs30_m_s: float = 200.0
 
     def __post_init__(self):
-        checked_vs30(self.vs30_m_s)
+        check_range("--vs30 [m/s]", self.vs30_m_s, *VS30_M_S)
         nearest = int(np.argmin(self.distance_km))
         if self.distance_km[nearest] > REACH_KM:
             raise InputError(
                 f"latitude {self.place.latitude:.4f}, longitude {self.place.longitude:.4f} is"
                 f" {self.distance_km[nearest]:.0f} km from the nearest epicentre"
-                f" ({self.catalogue.place[nearest]}): expected a place within {REACH_KM:g} km of"
-                " one, as in the Groningen field; look at the coordinates"
+                f" ({self.catalogue.events['place'][nearest]}): expected a place within"
+                f" {REACH_KM:g} km of one, as in the Groningen field; look at the coordinates"
             )
         if (km := from_field_km(self.place.x_m, self.place.y_m)) > REACH_KM:
             raise InputError(
@@ -64,12 +65,12 @@ class Exposure:
         """Sentences on what is doubtful: of the catalogue, and of distances."""
         strongest = int(np.argmax(self.median_mm_s))
         km = self.distance_km[strongest]
+        magnitude = self.catalogue.events["magnitude"][strongest]
         warnings = list(self.catalogue.notes)
         if km > REACH_KM:
             warnings.append(
-                f"the event of the largest median, M {self.catalogue.magnitude[strongest]:g}, is"
-                f" {km:.0f} km away: the model was compared with records to {REACH_KM:g} km, PGV"
-                " farther away is extrapolated"
+                f"the event of the largest median, M {magnitude:g}, is {km:.0f} km away: the model"
+                f" was compared with records to {REACH_KM:g} km, PGV farther away is extrapolated"
             )
         return warnings
 
@@ -77,12 +78,14 @@ class Exposure:
     def distance_km(self):
         """Epicentral distance of every event (n_events,) [km], in the plane of RD: its scale is
         within 1e-4 of 1."""
-        return hypot(self.catalogue.x_m - self.place.x_m, self.catalogue.y_m - self.place.y_m) / 1e3
+        epicentres = self.catalogue.events[["x_m", "y_m"]].to_numpy()
+        return hypot(*(epicentres - (self.place.x_m, self.place.y_m)).T) / 1e3
 
     @cached_property
     def median_mm_s(self):
         """Median PGV of every event (n_events,) [mm/s]."""
-        return self.model.median_mm_s(self.catalogue.magnitude, self.distance_km, self.vs30_m_s)
+        magnitude = self.catalogue.events["magnitude"].to_numpy()
+        return self.model.median_mm_s(magnitude, self.distance_km, self.vs30_m_s)
 
     def at_least_once(self, pgv_mm_s):
         """Probability that any of the events exceeds a PGV [mm/s].
@@ -94,25 +97,23 @@ class Exposure:
         nodes, weights = np.polynomial.hermite_e.hermegauss(_NODES)
         over = np.log(pgv_mm_s / self.median_mm_s)[:, np.newaxis] - site * nodes
         below = np.exp(log_ndtr(over / math.hypot(tau, within)).sum(axis=0))
-        return float(1.0 - weights @ below / weights.sum())
+        return 1.0 - weights @ below / weights.sum()
 
     def largest_exceeded_mm_s(self, probability):
         """PGV [mm/s] that the largest of all events exceeds with a probability."""
-        return float(
-            np.exp(
-                scipy.optimize.brentq(
-                    lambda ln_pgv: self.at_least_once(math.exp(ln_pgv)) - probability,
-                    math.log(1e-9),
-                    math.log(1e9),
-                )
+        return np.exp(
+            scipy.optimize.brentq(
+                lambda ln_pgv: self.at_least_once(math.exp(ln_pgv)) - probability,
+                math.log(1e-9),
+                math.log(1e9),
             )
         )
 
     def table(self):
         """DataFrame with a row an event in the order of time; columns: `TABLES`."""
-        events = self.catalogue
+        events = self.catalogue.events
         median = self.median_mm_s
-        latitude, longitude = to_wgs84(events.x_m.astype(float), events.y_m.astype(float))
+        latitude, longitude = to_wgs84(events.x_m.to_numpy(), events.y_m.to_numpy())
         columns = [
             [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time],
             events.magnitude,
@@ -131,7 +132,7 @@ class Exposure:
 
     def as_dict(self):
         """Everything that was found, fit for JSON; `events` is a list in the order of time."""
-        largest = float(self.median_mm_s.max())
+        largest = self.median_mm_s.max()
         return {
             "latitude": self.place.latitude,
             "longitude": self.place.longitude,
@@ -146,7 +147,7 @@ class Exposure:
             "to": self.catalogue.years[1],
             "catalogue_ends": f"{self.catalogue.end:%Y-%m-%d}",
             "largest_median_mm_s": largest,
-            "one_percent_mm_s": float(self.model.exceeded_mm_s(largest, RARE)),
+            "one_percent_mm_s": self.model.exceeded_mm_s(largest, RARE),
             "largest_of_all_median_mm_s": self.largest_exceeded_mm_s(0.5),
             "largest_of_all_one_percent_mm_s": self.largest_exceeded_mm_s(RARE),
             "warnings": self.warnings,

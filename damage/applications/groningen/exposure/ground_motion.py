@@ -8,18 +8,17 @@ import math
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from damage.checks import check_choice, check_range
+from damage.checks import check_choice
 from damage.errors import InputError, did_you_mean
 from damage.files import DATA
 
 VS30_M_S = (50.0, 2000.0)
-"""Bounds of the mean shear-wave velocity of the upper 30 m [m/s]."""
+"""Bounds of the mean shear-wave velocity of the upper 30 m [m/s]: soil and rock."""
 
 
 class Deviations(NamedTuple):
@@ -46,10 +45,10 @@ class GroundMotionModel:
     with tau, phi_s2s, phi_ss.
     """
 
-    source = ""
-    components: Mapping = MappingProxyType({})
-    default = ""
-    coefficients: Mapping = MappingProxyType({})
+    source: str
+    components: Mapping
+    default: str
+    coefficients: Mapping
 
     def __init__(self, component=None):
         """component: one of `components`, None for the default.  Raises InputError for any
@@ -83,22 +82,10 @@ class GroundMotionModel:
         )
 
 
-def checked_vs30(vs30_m_s):
-    """The VS30 [m/s]; InputError where no soil or rock has it."""
-    check_range("--vs30 [m/s]", vs30_m_s, *VS30_M_S)
-    return float(vs30_m_s)
-
-
-def model_names():
-    """Names of the models, as of their files: a list of str."""
-    return sorted(
-        path.stem.replace("_", "-") for path in (Path(__file__).parent / "models").glob("[!_]*.py")
-    )
-
-
 def model_named(name, component=None):
     """The model of a name, for a component.  Raises InputError where there is none."""
-    names = model_names()
+    files = (Path(__file__).parent / "models").glob("[!_]*.py")
+    names = sorted(path.stem.replace("_", "-") for path in files)
     if name not in names:
         raise InputError(
             f"ground-motion model {name!r}: expected one of"

@@ -39,38 +39,6 @@ from damage.motion.settlement import DISTORTIONS, PROFILES, Settlement
 from damage.rounded import to_bits
 from damage.toml_file import toml_table, toml_text
 
-KEYS = {
-    "latitude": "of the address, WGS84 [degrees]",
-    "longitude": "of the address, WGS84 [degrees]",
-    "easting_rd_m": "instead: in the Dutch grid [m]",
-    "northing_rd_m": "instead: in the Dutch grid [m]",
-    "vs30_m_s": "mean shear-wave velocity of the upper 30 m [m/s] (default 200)",
-    "first_year": "of the catalogue that is used (default: all)",
-    "last_year": "of the catalogue that is used",
-    "catalogue": "file of the events, from the address's file (default: KNMI's that ships)",
-    "component": "LRG (default), GEO or MAX",
-    "model": "ground-motion model (default bommer-2022)",
-    "above_mm_s": "PGV from which an event is part of a life (default 2); the largest always is",
-    "within_km": "farthest station whose records are used (default 10)",
-    "scale_to": (
-        "pgv (default): records are scaled to the drawn PGV; sa: to the spectral acceleration at"
-        " 0.2 s that it implies by the mean ratio of the records"
-    ),
-    "strong": (
-        "share of a record's Arias intensity that its window leaves out at its start and at its end"
-        " (default: the windows of components.csv, 0.01 and 0.03)"
-    ),
-    "largest_alone": "true: only the largest event of each life (default false)",
-    "settle": (
-        "profiles of the ground's settlement before the first event, from which each life draws"
-        ' one, as ["hogging", "sagging"] (default: none)'
-    ),
-    "distortion": (
-        "least and largest distortion of the drawn profile, log-uniform, as [0.0002, 0.002]"
-    ),
-    "seed": "of all lives (default 0)",
-}
-"""Keys of an address file and their meanings."""
 COLUMNS = [
     "time_utc",
     "magnitude",
@@ -93,7 +61,30 @@ ADDRESS_FILE = "the file of an address (.toml)", 1
 
 @dataclass(frozen=True)
 class Choices:
-    """How motions are chosen; fields as in KEYS."""
+    """How motions are chosen.
+
+    Attributes
+    ----------
+    above_mm_s : float
+        PGV from which an event is part of a life [mm/s]; the largest always is.
+    within_km : float
+        Epicentral distance of the farthest station whose records are used [km].
+    scale_to : str
+        pgv: records are scaled to the drawn PGV; sa: to the spectral acceleration at 0.2 s that it
+        implies by the mean ratio of the records.
+    strong : tuple of float or None
+        Share of a record's Arias intensity that its window leaves out at its start and at its end;
+        None: the windows of components.csv, 0.01 and 0.03.
+    largest_alone : bool
+        Whether a life has its largest event only.
+    settle : tuple of str or None
+        Profiles of the ground's settlement before the first event, from which each life draws one,
+        as ["hogging", "sagging"]; None for none.
+    distortion : tuple of float or None
+        Least and largest distortion of the drawn profile, log-uniform, as [0.0002, 0.002].
+    seed : int
+        Of all lives.
+    """
 
     above_mm_s: float = quantity("mm/s", 0.01, 1000, default=2.0, called="above_mm_s [mm/s]")
     within_km: float = quantity("km", 0.1, 1000, default=10.0, called="within_km [km]")
@@ -114,34 +105,42 @@ class Choices:
             vars(self)["strong"] = _pair("strong", self.strong, 0, 0.49)
         if (self.settle, self.distortion) == (None, None):
             return
-        settle = tuple(self.settle) if isinstance(self.settle, list | tuple) else ()
-        if not settle:
+        if not isinstance(self.settle, tuple) or not self.settle:
             raise InputError(
                 f"settle = {self.settle!r}: expected profiles beside distortion, like"
                 ' settle = ["hogging"] and distortion = [0.0002, 0.002]; correct them'
             )
-        for profile in settle:
+        for profile in self.settle:
             check_choice("settle", profile, PROFILES)
         bounds = _pair("distortion", self.distortion, *DISTORTIONS)
         if bounds[0] > bounds[1]:
             raise InputError(
                 f"distortion = {list(bounds)}: expected the smaller one first; exchange them"
             )
-        vars(self)["settle"] = settle
         vars(self)["distortion"] = bounds
+
+
+KEYS = (
+    *("latitude", "longitude", "easting_rd_m", "northing_rd_m", "vs30_m_s"),
+    *("first_year", "last_year", "catalogue", "component", "model"),
+    *Choices.__dataclass_fields__,
+)
+"""Keys of an address file: of the place either pair, in WGS84 [degrees] or in the Dutch grid [m];
+the mean shear-wave velocity of its upper 30 m [m/s] (default 200); years of the catalogue that are
+used (default: all); its file, from the address's (default: KNMI's that ships); component: LRG
+(default), GEO or MAX; the ground-motion model (default bommer-2022); and those of Choices."""
 
 
 def _pair(name, value, least, most):
     """Two numbers within bounds, a tuple of float; InputError for anything else."""
-    pair = tuple(value) if isinstance(value, list | tuple) else ()
-    if len(pair) != 2:
+    if not isinstance(value, tuple) or len(value) != 2:
         raise InputError(
             f"{name} = {value!r}: expected two numbers from {least:g} to {most:g}, as"
             f" {name} = [0.001, 0.002]; correct it"
         )
-    for component in pair:
+    for component in value:
         check_range(name, component, least, most)
-    return tuple(map(float, pair))
+    return tuple(map(float, value))
 
 
 @dataclass(frozen=True)
@@ -154,13 +153,13 @@ class Draws:
     def digest(self):
         """SHA-256 of what lives are drawn from besides the seed and choices: events, their medians,
         the components, and the content of their records."""
-        events = self.exposure.catalogue
+        events = self.exposure.catalogue.events
         components = self.components
         records = [
             read_record(shipped_records()[name]).sha256
             for name in sorted(set(components["record"]))
         ]
-        parts = [events.time, events.magnitude, events.id, self.exposure.median_mm_s.tolist()]
+        parts = [events["time"], events["magnitude"], events["id"], self.exposure.median_mm_s]
         text = "\n".join(
             [
                 components.to_csv(index=False),
@@ -193,7 +192,7 @@ class Draws:
         profile = self.choices.settle[random.below(len(self.choices.settle), 1)[0]]
         low, high = log(self.choices.distortion)
         drawn = to_bits(exp(low + (high - low) * random.uniform(1)[0]))
-        return Settlement(profile, float(np.clip(drawn, *self.choices.distortion)))
+        return Settlement(profile, np.clip(drawn, *self.choices.distortion))
 
     def largest(self, numbers):
         """Largest PGV of each of these lives, (n,) [mm/s]."""
@@ -219,8 +218,8 @@ class Draws:
         number: of the life whose motion it is; None for the median PGV, by the component whose
         factor is nearest to 1.
         """
-        events = self.exposure.catalogue
-        times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in events.time]
+        catalogue = self.exposure.catalogue
+        times = [f"{time:%Y-%m-%dT%H:%M:%S}" for time in catalogue.events["time"]]
         matching = (
             [k for k, time in enumerate(times) if time.startswith(date)]
             if len(date) >= len("2012-08-16")
@@ -228,9 +227,10 @@ class Draws:
         )
         if not matching:
             raise InputError(
-                f"--event {date}: no event then in {events.source}, whose last is of {times[-1]};"
-                " expected a day or a time (UTC) of one, like 2012-08-16 or 2018-01-08T14:00:52;"
-                " look at python3 -m damage exposure, or give a later catalogue"
+                f"--event {date}: no event then in {catalogue.source}, whose last is of"
+                f" {times[-1]}; expected a day or a time (UTC) of one, like 2012-08-16 or"
+                " 2018-01-08T14:00:52; look at python3 -m damage exposure, or give a later"
+                " catalogue"
             )
         k = max(matching, key=self.exposure.median_mm_s.__getitem__)
         if number is None:
@@ -244,7 +244,7 @@ class Draws:
         The component is that at the share of those that may be scaled to the PGV; without a share
         the one whose factor is nearest to 1.
         """
-        events = self.exposure.catalogue
+        events = self.exposure.catalogue.events
         rows = []
         for k, pgv, sign, share in motions:
             fit, factor = self._fitting(pgv)
@@ -253,18 +253,19 @@ class Draws:
                 if share is None
                 else int(share * len(fit))
             )
-            row = next(self.components.iloc[[fit[which]]].itertuples())
+            event = events.loc[k]
+            component = self.components.loc[fit[which]]
             rows.append(
                 [
-                    f"{events.time[k]:%Y-%m-%dT%H:%M:%S}",
-                    events.magnitude[k],
-                    events.place[k],
-                    events.id[k],
+                    f"{event.time:%Y-%m-%dT%H:%M:%S}",
+                    event.magnitude,
+                    event.place,
+                    event.id,
                     pgv,
-                    row.record,
+                    component.record,
                     sign * factor[which],
-                    row.start_s,
-                    row.end_s,
+                    component.start_s,
+                    component.end_s,
                 ]
             )
         return pd.DataFrame(rows, columns=COLUMNS)
@@ -322,7 +323,7 @@ class Draws:
             "component": exposure.model.component,
             "years": [int(year) for year in exposure.catalogue.years],
             "events": len(exposure.median_mm_s),
-            "sum_of_medians_mm_s": float(exposure.median_mm_s.sum()),
+            "sum_of_medians_mm_s": exposure.median_mm_s.sum(),
             **choices,
         }
 
@@ -339,21 +340,21 @@ def strong_window(name, start_s, end_s, shares):
     first, last = np.searchsorted(arias, [shares[0], 1 - shares[1]])
     first = np.floor(time[first] / TENTH_S)
     last = np.ceil(time[min(last, len(time) - 1)] / TENTH_S)
-    return max(start_s, float(first) * TENTH_S), min(end_s, float(last) * TENTH_S)
+    return max(start_s, first * TENTH_S), min(end_s, last * TENTH_S)
 
 
 def events_of(life, rest_s):
     """The events of a life's table, a tuple of Event, as `damage.motion.sequence.read_sequence`
     makes them."""
     return tuple(
-        Event(_loading(row.record, row.start_s, row.end_s), float(row.scale), rest_s)
+        Event(_loading(row.record, row.start_s, row.end_s), row.scale, rest_s)
         for row in life.itertuples()
     )
 
 
 @lru_cache(maxsize=256)
 def _loading(name, start_s, end_s):
-    return Recorded(read_record(shipped_records()[name]), window_s=(float(start_s), float(end_s)))
+    return Recorded(read_record(shipped_records()[name]), window_s=(start_s, end_s))
 
 
 @lru_cache(maxsize=8)
@@ -395,7 +396,7 @@ def _exposure(table, folder):
         )
     for name in places[0]:
         check_range(name, table[name], -1e7, 1e7)
-    first, second = (float(table[name]) for name in places[0])
+    first, second = (table[name] for name in places[0])
     catalogue = SHIPPED
     if "catalogue" in table:
         beside = folder / str(table["catalogue"])

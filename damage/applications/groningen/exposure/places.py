@@ -7,7 +7,7 @@ installed: the lives of an address are the same on every machine.
 """
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -35,8 +35,7 @@ _ORIGIN_RD = (155000.0, 463000.0)
 _ORIGIN_DEG = (52.15517440, 5.38720621)
 
 
-@dataclass(frozen=True)
-class Place:
+class Place(NamedTuple):
     """A place: x_m, y_m in RD [m], latitude, longitude in WGS84 [degrees].  Made by
     `at_degrees` or `at_rd`."""
 

@@ -12,7 +12,7 @@ with n lives, n_h of them in stratum h, its probability W_h, and p'_h = (hits + 
 the variance, so that a stratum whose lives all agree is not taken for certain.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,8 +23,7 @@ MOST_STRATA = 10
 LEAST_IN_STRATUM = 5
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(NamedTuple):
     """A probability, the standard error of its estimate, and the number of lives."""
 
     p: float
@@ -64,7 +63,7 @@ def probability(hits, largest, population):
     spread = smooth * (1 - smooth) * count / (count - 1)
     n = len(hits)
     variance = (weight @ spread) / n + ((1 - weight) @ spread) / n**2
-    return Estimate(float(weight @ (counts / count)), float(np.sqrt(variance)), n)
+    return Estimate(weight @ (counts / count), np.sqrt(variance), n)
 
 
 def strata(largest, population):

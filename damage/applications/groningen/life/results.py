@@ -1,14 +1,14 @@
 """Results of lives: what each event did to each wall, and what became of the walls over the years.
 
-`python3 -m damage lives FOLDER` takes the folder of a study with lives; lives of one point and
-different seeds are counted together.
+`python3 -m damage lives FOLDER` takes the folder of a study with lives.
 """
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -99,8 +99,7 @@ _SOURCES = {
 }
 
 
-@dataclass(frozen=True)
-class Lives:
+class Lives(NamedTuple):
     """The lives of a point.
 
     draws: Draws of its address; table: a row an event, with the columns of lives.csv.
@@ -139,29 +138,28 @@ class Lives:
 
 
 def lives_of(folder):
-    """Lives of the points of a study's folder, a list.  InputError where there is none; points
-    without lives are left out."""
+    """Lives of the points of a study's folder, a list: those of one point and different seeds
+    together, each life once.  InputError where there is none; points without lives are left out."""
     folder = Path(folder)
     study = load_study(folder / "study.toml", "reference")
     records = read_records(folder)
-    lives = []
+    parts = {}
     for run in study.runs:
-        if run.varied == "life":
+        done = records.of_point(run) if run.varied == "life" else {}
+        for number, record in done.items():
             draws = read_address(dict(run.options)["address"])
-            lives += [
-                Lives(
-                    run.entry,
-                    draws,
-                    life_of(record, draws, run.offset + number).assign(point=run.entry),
-                )
-                for number, record in records.of_point(run).items()
-            ]
-    if not any(len(part.table) for part in lives):
+            _, tables = parts.setdefault(run.entry, (draws, []))
+            tables.append(life_of(record, draws, run.offset + number).assign(point=run.entry))
+    if not parts:
         raise InputError(
             f"{folder}: no life in it; expected the folder of a study with lives, as python3 -m"
             " damage life makes it"
         )
-    return together(lives)
+    columns = list(TABLES["lives.csv"])
+    return [
+        Lives(point, draws, pd.concat(tables).drop_duplicates(["seed", "life", "event"])[columns])
+        for point, (draws, tables) in parts.items()
+    ]
 
 
 def life_of(record, draws, number):
@@ -217,46 +215,24 @@ def _settlement(row, draws):
     ]
 
 
-def together(parts):
-    """Lives of equal points counted together, each life once; a list in the order of the first of
-    each, without points that have none."""
-    parts_of_point = {}
-    for part in parts:
-        parts_of_point.setdefault(part.point, []).append(part)
-    lives = []
-    for several in parts_of_point.values():
-        tables = [part.table for part in several if len(part.table)]
-        if tables:
-            rows = pd.concat(tables, ignore_index=True).drop_duplicates(
-                ["seed", "life", "event"], keep="first"
-            )
-            lives.append(replace(several[0], table=rows[list(TABLES["lives.csv"])]))
-    return lives
-
-
 def largest_alone(parts):
     """Return {point: (lives with all events, the same with the largest alone)} of the points that
     have both, as DataFrames of `Lives.until` with equal rows."""
     alone = {}
     for part, other in product(parts, repeat=2):
-        if _is_of_the_largest(other, part):
+        # of the same place and choices, and of a point with the same name and one word more
+        if (
+            other.point.rpartition("_")[0] == part.point
+            and other.draws.exposure.place == part.draws.exposure.place
+            and not part.draws.choices.largest_alone
+            and other.draws.choices == replace(part.draws.choices, largest_alone=True)
+        ):
             first = part.last
             second = other.last
             both = first.index.intersection(second.index)
             if len(both) > 1:
                 alone[part.point] = first.loc[both], second.loc[both]
     return alone
-
-
-def _is_of_the_largest(lives, every):
-    """Say whether lives are those of the largest event alone of the lives with every event: of the
-    same place and choices, and of a point with the same name and one word more."""
-    return (
-        lives.point.rpartition("_")[0] == every.point
-        and lives.draws.exposure.place == every.draws.exposure.place
-        and not every.draws.choices.largest_alone
-        and lives.draws.choices == replace(every.draws.choices, largest_alone=True)
-    )
 
 
 def over_time(lives):
@@ -322,6 +298,11 @@ def describe(parts):
         last = part.last
         population = part.population()
         events = part.table[part.table["event"] > 0].groupby(["seed", "life"]).size()
+        settled = part.table.loc[part.table["event"] == 0, "psi"]
+        settlement = [
+            f"  after the settlement: median Psi {settled.median():.2f} ({settled.min():.2f} to"
+            f" {settled.max():.2f})"
+        ] * (len(settled) > 0)
         lines += [
             (
                 f"{part.point}: {len(last)} lives, {part.years[0]} to {part.years[1]},"
@@ -330,7 +311,7 @@ def describe(parts):
                 " mm/s"
             ),
             *(f"  warning: {warning}" for warning in part.draws.exposure.warnings),
-            *_of_the_settlement(part.table),
+            *settlement,
             (
                 f"  at the end: median Psi {last['psi'].median():.2f}, median DI"
                 f" {last['DI'].median():.4f}, median of the largest Psi"
@@ -355,19 +336,6 @@ def describe(parts):
                     f" {share.quantile(0.25):.2f} to {share.quantile(0.75):.2f})"
                 )
     return "\n".join(lines)
-
-
-def _of_the_settlement(table):
-    """A line about event 0 of the lives, in a list that is empty where the ground rested."""
-    psi = table.loc[table["event"] == 0, "psi"]
-    return (
-        [
-            f"  after the settlement: median Psi {psi.median():.2f} ({psi.min():.2f} to"
-            f" {psi.max():.2f})"
-        ]
-        if len(psi)
-        else []
-    )
 
 
 def write_lives(parts, folder):
