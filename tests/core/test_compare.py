@@ -124,9 +124,7 @@ def test_fractions_are_shares_of_the_joint_length_in_a_window(left):
     assert_allclose(places.fractions(np.ones(len(X), bool)), 1.0)
     share = places.fractions(broken).reshape(48, 20)  # windows every 0.075 m
     assert share[2, 2] == 1.0 and share[24, 10] == 0.0
-    assert_allclose(
-        places.fractions(broken, mirrored=True).reshape(48, 20), share[::-1], atol=1e-12
-    )
+    assert_allclose(places.mirrored.fractions(broken).reshape(48, 20), share[::-1], atol=1e-12)
 
 
 def test_a_neighbour_scores_high_and_the_other_side_nothing(tmp_path, left):

@@ -59,14 +59,11 @@ def patterns_of(history):
     active = history.active
     settled = np.flatnonzero(series["stage"] == "settlement")
     moving = series[series["stage"] != "settlement"]
+    ends = moving.drop_duplicates("shock", keep="last")
     rows = {
         START: 0,
-        **({SETTLED: int(settled[-1])} if len(settled) else {}),
-        **{
-            int(event): int(members.index[-1])
-            for event, members in moving.groupby("shock")
-            if len(members)
-        },
+        **({SETTLED: settled[-1]} if len(settled) else {}),
+        **dict(zip(ends["shock"], ends.index)),
     }
     samples = list(rows.values())
     opening = active.opening_m[samples]

@@ -22,6 +22,12 @@ from damage.units import MILLIMETRE
 from damage.wall.layout import lay_out
 
 
+def _csv_and_others(paths):
+    """The CSV files of paths, and the others, which are histories."""
+    csv = [path for path in paths if path.suffix.lower() == ".csv"]
+    return csv, [path for path in paths if path not in csv]
+
+
 @command(
     "cycles, envelope, failure mode and figures of a pushed wall; of several draws of its strengths"
     " median and quantiles; of a test its loops",
@@ -42,8 +48,7 @@ def _cycles(asked):
     from damage.applications.cracks import pushed
     from damage.applications.cracks.loops import read_loops
 
-    tests = [path for path in asked.files if path.suffix.lower() == ".csv"]
-    runs = [path for path in asked.files if path not in tests]
+    tests, runs = _csv_and_others(asked.files)
     to = asked.to and asked.to / 100
     if tests and len(runs) > 1:
         raise InputError(
@@ -155,9 +160,9 @@ def _cracks(asked):
 def _compare(asked):
     from damage.applications.cracks.compare import compare, describe
 
-    paths = asked.first, *asked.others
-    if any(path.suffix.lower() == ".csv" for path in paths):
-        _compare_survey(asked, paths)
+    surveys, runs = _csv_and_others([asked.first, *asked.others])
+    if surveys:
+        _compare_survey(asked, surveys, runs)
         return
     first = read_history(asked.first)
     others = [read_history(path) for path in asked.others]
@@ -173,11 +178,9 @@ def _compare(asked):
     show(asked, result, describe)
 
 
-def _compare_survey(asked, paths):
+def _compare_survey(asked, surveys, runs):
     from damage.applications.cracks.survey import beside, describe_beside, read_survey
 
-    surveys = [path for path in paths if path.suffix.lower() == ".csv"]
-    runs = [path for path in paths if path not in surveys]
     if len(surveys) > 1 or not runs or asked.out:
         raise InputError(
             f"compare with {surveys[0]}: expected one survey, histories beside it, and no --out; "

@@ -7,7 +7,6 @@ from damage.draw import style
 from damage.draw.run import show_all
 from damage.draw.wall import COLUMN_PT, line_width, widest_line
 from damage.draw.words import wall_words
-from damage.index import THRESHOLD
 from damage.measure.cracks import ends_of
 from damage.units import MILLIMETRE
 from damage.wall.geometry import body_corners, body_table, joint_table, tributary_ends
@@ -30,7 +29,7 @@ def crack_pictures(mapped, patterns, layout, threshold):
 
 
 @style.styled
-def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
+def crack_picture(pattern, mapped, layout, threshold):
     """Figure of one CrackPattern and its MappedCracks on the undeformed wall of a Layout."""
     wall = layout.wall
     figure, ax = style.new_figure(
@@ -62,7 +61,7 @@ def crack_picture(pattern, mapped, layout, threshold=THRESHOLD):
     return figure
 
 
-def joint_states(table, threshold=THRESHOLD):
+def joint_states(table, threshold):
     """Key of STATES of every row of a MappedCracks's table, (n_rows,)."""
     opened = table["opening_m"] > threshold
     slipped = table["slip_m"].abs() > threshold

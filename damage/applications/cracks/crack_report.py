@@ -20,7 +20,7 @@ from damage.applications.cracks.plausible import implausible_places, implausible
 from damage.errors import InputError, warn
 from damage.history.moments import choose_samples
 from damage.history.reader import read_history
-from damage.index import COMPONENTS, THRESHOLD
+from damage.index import COMPONENTS
 from damage.measure.cracks import cracks_at, ends_of, psi, psi_summary
 from damage.units import MILLIMETRE
 from damage.wall.file import load_wall
@@ -57,7 +57,11 @@ def crack_report(asked):
             history.check_one_layer()
         samples = choose_samples(history, ("max,end" if asked.at is None else asked.at).split(","))
         report = history_report(history, samples, export=asked.export, **limits)
-        drawn = asked.out and history_drawn(history, samples, limits["threshold"])
+        drawn = None
+        if asked.out:
+            layout = lay_out(history.masonry_wall, history.model)
+            patterns = patterns_of(history, samples, limits["threshold"])
+            drawn = [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
     else:
         _only_with("a crack file", asked, "wall", without=("at", "export", "margin_mm"))
         patterns = read_cracks(asked.source)
@@ -75,7 +79,7 @@ def _implausible(patterns, wall):
     if not drawn:
         return []
     stretches = pd.concat(drawn)
-    widths = implausible_width(float(stretches["width_m"].max()) / MILLIMETRE)
+    widths = implausible_width(stretches["width_m"].max() / MILLIMETRE)
     return list(filter(None, [implausible_places(ends_of(stretches), wall), widths]))
 
 
@@ -148,14 +152,6 @@ def _report(wall, source, total_m, levels, threshold, psi_from):
         "levels": levels,
         "max": largest(levels),
     }
-
-
-def history_drawn(history, samples, threshold=THRESHOLD):
-    """What `crack_pictures` draws of a History at samples: MappedCracks and CrackPatterns, and the
-    Layout."""
-    layout = lay_out(history.masonry_wall, history.model)
-    patterns = patterns_of(history, samples, threshold)
-    return [map_cracks(pattern, layout) for pattern in patterns], patterns, layout
 
 
 def pattern_report(patterns, layout, threshold, drift_limit, psi_from, tolerance=None):
@@ -275,18 +271,13 @@ _COLUMNS = (
 
 def describe(report):
     """A report as lines for people; bounds stand as low..high."""
-    columns = [column for column in _COLUMNS if column[1] in report["levels"][0]]
+    levels = report["levels"]
+    columns = [column for column in _COLUMNS if column[1] in levels[0]]
+    if len(levels) > 1:
+        levels = [*levels, {"load_level": "max"} | report["max"]]
     rows = [[label for label, *_ in columns]]
-    rows += [[_shown(level[key], form) for _, key, form in columns] for level in report["levels"]]
-    if len(report["levels"]) > 1:
-        rows.append(
-            [
-                _shown(report["max"][key], form) if key in report["max"] else ""
-                for _, key, form in columns
-            ]
-        )
-        rows[-1][0] = "max"
-    widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
+    rows += [[_shown(level.get(key, ""), form) for _, key, form in columns] for level in levels]
+    widths = [max(map(len, column)) for column in zip(*rows)]
     lines = [
         f"{report['wall']}: {report['source']}, threshold {report['threshold_mm']:g} mm, "
         f"Psi from {report['psi_from_mm']:g} mm, "
@@ -295,7 +286,7 @@ def describe(report):
     lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows]
     if "run" in report:
         run = report["run"]
-        residual = report["run"]["residual_psi"]
+        residual = run["residual_psi"]
         lines.append(
             f"whole run: Psi up to {run['max_psi']:.2f}, widths up to"
             f" {run['max_crack_width_mm']:.3f} mm"
@@ -311,6 +302,8 @@ def describe(report):
 def _shown(value, form):
     if value is None:
         return "-"
+    if isinstance(value, str):
+        return value
     if isinstance(value, tuple):
         low, high = value
         return (

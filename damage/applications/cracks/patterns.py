@@ -67,11 +67,10 @@ def fractions_skill_score(f: np.ndarray, g: np.ndarray) -> float | None:
     return 1.0 - float(np.sum((f - g) ** 2)) / size if size > 0 else None
 
 
-def cracked(history: History, what: str, slip: str = "displacement") -> np.ndarray:
+def cracked(history: History, what: str) -> np.ndarray:
     """Whether contact points are cracked at the end of the (last) motion, (n_joints,) bool.
 
-    what: "broken" (failed), or "visible" (ever opened or slipped by more than 0.1 mm); slip:
-    criterion of the latter.
+    what: "broken" (failed), or "visible" (ever opened or slipped by more than 0.1 mm).
 
     >>> cracked(history, "opened").sum().item()
     3
@@ -80,7 +79,7 @@ def cracked(history: History, what: str, slip: str = "displacement") -> np.ndarr
     end = int(moving[-1]) + 1 if len(moving) else len(history.series)
     if what == "broken":
         return history.broken[end - 1]
-    slipped = np.abs(history.slip_by(slip)[:end]) > THRESHOLD
+    slipped = np.abs(history.offset_m[:end]) > THRESHOLD
     return ((history.opening_m[:end] > THRESHOLD) | slipped).any(axis=0)
 
 
@@ -104,23 +103,23 @@ class Places(NamedTuple):
     length: np.ndarray
     extent: tuple[float, float]
 
-    def sums(self, values: np.ndarray, mirrored: bool = False) -> np.ndarray:
-        """Sums (k, n_windows) over each window of values (k, n_joints); mirrored: exchange left and
-        right."""
-        x = self.extent[0] - self.x if mirrored else self.x
-        across, up = map(_inside, (x, self.z), self.extent)
+    @property
+    def mirrored(self) -> "Places":
+        """The Places with left and right exchanged."""
+        return self._replace(x=self.extent[0] - self.x)
+
+    def sums(self, values: np.ndarray) -> np.ndarray:
+        """Sums (k, n_windows) over each window of values (k, n_joints)."""
+        across, up = map(_inside, (self.x, self.z), self.extent)
         sums = [
             np.einsum("ap,bp,p->ab", across, up, value, optimize=True).ravel() for value in values
         ]
         return np.array(sums)
 
-    def fractions(self, flags: np.ndarray, mirrored: bool = False) -> np.ndarray:
+    def fractions(self, flags: np.ndarray) -> np.ndarray:
         """Share of the joint length that is flagged in each window, (n_windows,) [-]; zero in
-        windows without joints.
-
-        flags: (n_joints,) bool; mirrored: exchange left and right.
-        """
-        in_all, in_cracks = self.sums(np.array([self.length, self.length * flags]), mirrored)
+        windows without joints; flags: (n_joints,) bool."""
+        in_all, in_cracks = self.sums(np.array([self.length, self.length * flags]))
         return np.divide(in_cracks, in_all, out=np.zeros_like(in_all), where=in_all > 0)
 
     def scores(self, first: np.ndarray, second: np.ndarray, others: "Places | None" = None) -> dict:
@@ -137,7 +136,7 @@ class Places(NamedTuple):
             fractions_skill_score(here, others.fractions(random.permutation(second)))
             for _ in range(SHUFFLES)
         ]
-        mirrored = fractions_skill_score(here, others.fractions(second, mirrored=True))
+        mirrored = fractions_skill_score(here, others.mirrored.fractions(second))
         return {
             "fss": score,
             "shuffled": float(np.mean(np.array(shuffled, float))),

@@ -120,8 +120,8 @@ def _catalogue(asked):
     joined, notes = with_later(asked.later, asked.catalogue or SHIPPED)
     print(
         *notes,
-        f"{write_catalogue(joined, asked.out)}: {len(joined)} events from {joined.time[0]:%Y-%m-%d}"
-        f" to {joined.end:%Y-%m-%d}",
+        f"{write_catalogue(joined, asked.out)}: {len(joined.events)} events from"
+        f" {joined.begin:%Y-%m-%d} to {joined.end:%Y-%m-%d}",
         sep="\n",
     )
 
@@ -134,12 +134,7 @@ def _draws(help_, **more):
 
 def _lives_options(within, strong):
     """Options of how lives are drawn and run, with these defaults."""
-    return _draw_options(within, strong), _RUN_OPTIONS, _BATCH_OPTIONS
-
-
-def _draw_options(within, strong):
-    """The group of options of how lives are drawn, with these defaults."""
-    return group(
+    draws = group(
         "lives",
         arg("--seed", "of the draws (default 0)", "N", number_from(0, 2**31, int), default=0),
         arg(
@@ -176,6 +171,7 @@ def _draw_options(within, strong):
             default=strong,
         ),
     )
+    return draws, _RUN_OPTIONS, _BATCH_OPTIONS
 
 
 _RUN_OPTIONS = group(
@@ -242,16 +238,13 @@ def _life(asked):
     draws.life(1)  # says what is wrong before anything is written
     wall_path(asked.wall)
     warn(*draws.exposure.warnings)
-    options = _options_of(asked) | {
-        "settle": _from_here(asked.settle),
-        "distortion": asked.distortion,
-    }
+    options = _options_of(asked) | _settlement(asked.settle, asked.distortion)
     with while_locked(asked.out, Path(NAME).stem) as lock:
         study = life_study(
             asked.out,
             asked.wall,
             address,
-            {name: value for name, value in options.items() if value is not None},
+            options,
             asked.draws,
         )
         out = asked.out.absolute()
@@ -263,9 +256,13 @@ def _options_of(asked):
     return {"rest": asked.rest, "strength-cov": asked.strength_cov, "inputs": asked.inputs}
 
 
-def _from_here(settle):
-    """A settlement whose file, if it is one, is found from any folder."""
-    return str(Path(settle).resolve()) if settle and is_there(settle) else settle
+def _settlement(settle, distortion):
+    """{name: value} of the options of a settlement, of those that are given; its file, if it is
+    one, is found from any folder."""
+    if settle and is_there(settle):
+        settle = str(Path(settle).resolve())
+    given = {"settle": settle, "distortion": distortion}
+    return {name: value for name, value in given.items() if value}
 
 
 @command(
@@ -328,21 +325,13 @@ def _make_claim(asked):
         )
     if asked.distortion and not asked.settle:
         raise InputError("--distortion belongs to --settle; give both")
-    settlement = {
-        name: value
-        for name, value in (
-            ("settle", _from_here(asked.levels or asked.settle)),
-            ("distortion", asked.distortion),
-        )
-        if value
-    }
     return make_claim(
         Claim(
             wall=asked.wall,
             address=_address_of(asked),
             survey=asked.cracks,
             options=_options_of(asked),
-            settlement=settlement,
+            settlement=_settlement(asked.levels or asked.settle, asked.distortion),
             draws=asked.draws,
             language=asked.language,
             units=tuple(asked.units),
@@ -357,7 +346,6 @@ def _make_claim(asked):
     "a claim as a page of this machine: address, front, photograph, cracks and sheet, step by step;"
     " it listens on the loopback interface alone and writes below --out only (needs Flask:"
     " pip install .[groningen], or Debian's python3-flask)",
-    arg("--port", "of the page (default: a free one)", "N", number_from(0, 65535, int), default=0),
     flag(
         "--no-browser",
         "print the page's address, open no browser",
@@ -365,19 +353,18 @@ def _make_claim(asked):
         action="store_false",
     ),
     out("folder of the claim"),
-    examples=("--out results/claim", "--out results/claim --port 8765 --no-browser"),
+    examples=("--out results/claim", "--out results/claim --no-browser"),
 )
 def _app(asked):
     from damage.applications.groningen.app.server import serve
 
-    serve(asked.out, asked.port, asked.opened)
+    serve(asked.out, asked.opened)
 
 
 @command(
     "what became of the lives of walls: probabilities of visible damage by year, the share of the"
     " largest event, the contribution of each; tables, pictures and one HTML report, in the folder",
     file_arg("results", "FOLDER", "folder of a study with lives"),
-    flag("--tables", dest="only", help_="tables and text only"),
     output(file_arg("--markdown", "FILE", "write the text, too")),
     out("folder for the tables (default: figures in FOLDER)", required=False),
     examples=("results/life", "results/life --markdown lives.md --out figures"),
@@ -401,8 +388,6 @@ def _lives(asked):
     if asked.markdown:
         write_text(asked.markdown, text + "\n")
     print(text)
-    if asked.only:
-        return
     alone = {point: lives[1] for point, lives in largest_alone(parts).items()}
     for part in parts:
         if not part.draws.choices.largest_alone:

@@ -204,7 +204,6 @@ class Desk:
         with heard() as notes:
             profile = self._keep(LEVELS, "the file of levels", text, read)
         return {
-            "x_m": list(profile.x_m),
             "uz_m": list(profile.uz_m),
             "notes": list(map(str, notes)),
         }
@@ -220,6 +219,10 @@ class Desk:
         self._check_no_links()
         self.address(latitude, longitude)
         check_choice("language", language, LANGUAGES)
+        if not isinstance(units, list) or len(units) != 2:
+            raise InputError(f"units = {units!r}: expected two whole numbers, 1 to 20; correct it")
+        for value in units:
+            check_whole("units", value, 1, 20)
         words = [
             str(self._given(HOUSE, "the front")),
             "--at",
@@ -233,7 +236,7 @@ class Desk:
             str(self.path(RESULTS)),
             "--remake",
             "--units",
-            *map(str, _units(units)),
+            *map(str, units),
             *self._settled(settle, distortion),
         ]
         if draws is not None:
@@ -295,15 +298,6 @@ class Desk:
             "fronts": self.fronts(),
             **self.progress(),
         }
-
-
-def _units(units):
-    """Bricks and courses of a unit from the page, a list."""
-    if not isinstance(units, list) or len(units) != 2:
-        raise InputError(f"units = {units!r}: expected two whole numbers, 1 to 20; correct it")
-    for value in units:
-        check_whole("units", value, 1, 20)
-    return units
 
 
 def words():

@@ -31,8 +31,8 @@ def _edges(wall):
 
 def drawn(layout, text):
     """What the page draws of a Layout, fit for JSON [m]: size, corners to straighten by, outline,
-    bricks (x, z, length, height), openings (left, lower, right, upper edge) and levels of floors as
-    built; its text in TOML, and the table of that."""
+    bricks (x, z, length, height) and openings (left, lower, right, upper edge) as built; its text
+    in TOML, and the table of that."""
     bodies = layout.bodies
     n = layout.n_below_caps
     wall = layout.wall
@@ -49,7 +49,6 @@ def drawn(layout, text):
         "brick": wall.brick.length,
         "outline": _edges(wall).tolist(),
         "openings": np.round(_openings(layout.plan), 4).tolist(),
-        "floors": sorted({float(floor.above * wall.brick.height) for floor in layout.plan.floors}),
         "contact_points": layout.n_joints,
         "outside": {language: outside_at_rest(layout, language) for language in LANGUAGES},
     }

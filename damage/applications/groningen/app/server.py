@@ -9,9 +9,7 @@ path: browsers send cookies to every port of a machine.  The page asks for nothi
 machine; its Content-Security-Policy forbids it.
 """
 
-import os
 import secrets
-import socket
 import threading
 import webbrowser
 from contextlib import contextmanager, nullcontext
@@ -48,8 +46,6 @@ CALLS = ["address", "front", "sketch", "straighten", "survey", "levels", "start"
 """Methods of Desk that the page asks for."""
 COOKIE = "damage_app"
 HEADER = "X-Damage-Token"
-WITHOUT_PORT = 80
-"""The port that browsers leave out of Host and Origin."""
 DOOR = (
     '<!DOCTYPE html><meta charset="utf-8"><title>damage</title><meta http-equiv="refresh"'
     ' content="0; url={0}">'
@@ -66,11 +62,7 @@ def make_app(out, port, token, root):
 
     app = Flask("damage.applications.groningen.app", static_folder=None, template_folder=str(PAGE))
     app.desk = Desk(out)
-    hosts = {
-        f"{name}{end}"
-        for name in ("127.0.0.1", "localhost")
-        for end in (f":{port}", *([""] if port == WITHOUT_PORT else []))
-    }
+    hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
     _guard(app, hosts, token, f"{root}/")
     _pages(app, token, root)
     _calls(app, root)
@@ -117,8 +109,8 @@ def _pages(app, token, root):
 
     @app.get(f"{root}/")
     def page():
-        language = request.args.get("language", LANGUAGES[0])
-        language = language if language in LANGUAGES else LANGUAGES[0]
+        asked = request.args.get("language")
+        language = asked if asked in LANGUAGES else LANGUAGES[0]
         if "token" in request.args:  # out of the address, where others could read it
             # A redirection would still count as from the file, and the cookie would not be sent.
             response = make_response(PASSING, {"Refresh": f"0; url={root}/?language={language}"})
@@ -182,8 +174,8 @@ def _calls(app, root):
         return answer(lambda: method(**given.arguments))
 
 
-def serve(out, port=0, opened=True):
-    """Serve the page of a claim in the folder `out` until it is interrupted; port 0: a free one;
+def serve(out, opened=True):
+    """Serve the page of a claim in the folder `out`, at a free port, until it is interrupted;
     opened: in the browser."""
     try:
         from werkzeug.serving import WSGIRequestHandler, make_server
@@ -199,8 +191,7 @@ def serve(out, port=0, opened=True):
 
     token = secrets.token_urlsafe(32)
     root = f"/{secrets.token_hex(8)}"
-    _check_port(port)
-    server = make_server("127.0.0.1", port, None, threaded=True, request_handler=Quiet)
+    server = make_server("127.0.0.1", 0, None, threaded=True, request_handler=Quiet)
     server.app = app = make_app(out, server.server_port, token, root)
     address = f"http://127.0.0.1:{server.server_port}{root}/?token={token}"
     print(
@@ -214,18 +205,6 @@ def serve(out, port=0, opened=True):
     finally:
         server.server_close()
         app.desk.stop(1.5)
-
-
-def _check_port(port):
-    """Raise InputError where the system gives no such port."""
-    try:
-        socket.create_server(("127.0.0.1", port)).close()
-    except OSError as error:
-        raise InputError(
-            f"--port {port}: {os.strerror(error.errno)}; expected a port that nothing else has and"
-            " that this user may take (below 1024 often root alone); choose another, or leave"
-            " it out"
-        ) from error
 
 
 @contextmanager

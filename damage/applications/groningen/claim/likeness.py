@@ -31,7 +31,7 @@ def kernel(distance, claimed):
 
 def strangeness(distance):
     """Mean distance of the NEAREST of distances (n,)."""
-    return float(np.sort(distance)[:NEAREST].mean())
+    return np.sort(distance)[:NEAREST].mean()
 
 
 def pairwise(seen, error_m, known_m):
@@ -48,4 +48,4 @@ def strange_share(away, pairs):
     """Share of patterns [-] that are less strange among the others than a survey is among all, 0
     of too few to say; away: (n,) distances of the survey; pairs: of `pairwise`."""
     strangenesses = np.array([strangeness(row) for row in pairs])
-    return float(np.mean(strangenesses < strangeness(away))) if len(away) > NEAREST else 0.0
+    return np.mean(strangenesses < strangeness(away)) if len(away) > NEAREST else 0.0

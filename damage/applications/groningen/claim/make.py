@@ -1,7 +1,7 @@
 """Make a claim's sheet: checks, draws until the intervals are narrow enough, numbers, sheet."""
 
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 from damage.applications.cracks.survey import on_joints, read_survey
 from damage.applications.groningen.claim.numbers import MOST_DRAWS, enough, numbers_of
@@ -41,8 +41,7 @@ STEPS = 10, 96, 192, 400, MOST_DRAWS
 an interval of ±10 of 100 takes."""
 
 
-@dataclass(frozen=True)
-class Claim:
+class Claim(NamedTuple):
     """What a claim is about: wall: its file, or the name of one that ships; address: {key of
     `damage.applications.groningen.exposure.lives.KEYS`: value}; survey: the file of cracks;
     options: of each run; settlement: options of a settlement of known shape and size, {} for none
@@ -52,14 +51,14 @@ class Claim:
     wall: str
     address: dict
     survey: Path
-    options: dict = field(default_factory=dict)
-    settlement: dict = field(default_factory=dict)
-    draws: int | None = None
-    language: str = "en"
-    units: tuple[int, int] = (1, 1)
+    options: dict
+    settlement: dict
+    draws: int | None
+    language: str
+    units: tuple[int, int]
 
 
-def make_claim(claim, out, jobs, remake=False):
+def make_claim(claim, out, jobs, remake):
     """Make the sheet of a Claim in a folder with so many processes; returns the exit status.
     Raises InputError.
 
@@ -90,7 +89,8 @@ def make_claim(claim, out, jobs, remake=False):
             study = twins_study(out, claim.wall, causes, draws)
             if status := _draw(study, out, jobs, remake, lock):
                 return status
-            first = _first(out, study)
+            begun = next(run for run in study.runs if run.entry == BOTH)
+            first = read_history(out / "runs" / f"{begun.name(1)}.h5")
             model = first.model
             if first.masonry_wall != drawn(layout.wall, ranges(model.inputs), model.strength_seed):
                 raise InputError(
@@ -159,9 +159,3 @@ def _ground(claim):
         "profile": Path(str(claim.settlement["settle"])).name,
         "distortion": None if distortion is None else fraction(str(distortion)),
     }
-
-
-def _first(out, study):
-    """History of the first draw by both causes."""
-    first = next(run for run in study.runs if run.entry == BOTH)
-    return read_history(out / "runs" / f"{first.name(1)}.h5")

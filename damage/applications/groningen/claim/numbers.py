@@ -114,7 +114,7 @@ def answers(twins, likeness, survey):
             {
                 "life": int(twins.numbers[place % len(twins)]),
                 "state": STATES[place // len(twins)],
-                "distance": float(away.ravel()[place]),
+                "distance": away.ravel()[place],
             }
             for place in nearest
             if np.isfinite(away.ravel()[place])
@@ -174,7 +174,7 @@ def evidence_of(history, outside):
     evidence = evidence_for(history.masonry_wall, history.parameters, summarise(history))
     runs = list(map(names_outside, outside))
     for name, quantity in evidence.items():
-        quantity["outside_share"] = float(np.mean([name in names for names in runs]))
+        quantity["outside_share"] = np.mean([name in names for names in runs])
         if quantity["outside_share"]:
             quantity["inside"] = False
     return evidence
@@ -193,7 +193,7 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, first):
     known = {
         "offsets_known": bool(offsets),
         "detection_limit_known": not isnan(survey.pattern.detection_limit_m),
-        "share_looked_at": float(survey.looked_at.mean()),
+        "share_looked_at": survey.looked_at.mean(),
     }
     return {
         "house": wall.wall.name,
@@ -206,6 +206,6 @@ def numbers_of(twins, survey, wall, exposure, choices, settlement, first):
         "priors": list(PRIORS),
         **answers(twins, likeness_of(twins, survey, wall), survey),
         "fell": {name: int(walls.sum()) for name, walls in twins.fell.items()},
-        "events_per_draw": float(len(events) / events["life"].nunique()),
+        "events_per_draw": len(events) / events["life"].nunique(),
         "evidence": evidence_of(first, twins.outside),
     }

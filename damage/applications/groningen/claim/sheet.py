@@ -44,12 +44,13 @@ THINNEST_MM = 10
 DRAWN_MM = 40
 """Width that 1 mm of a crack adds to its line, in millimetres of the wall."""
 _LIMITS = {
-    "draws": LEAST_DRAWS,
-    "strange": 100 * STRANGEST,
-    "off_joints": 100 * MOST_OFF_JOINTS,
-    "small": THRESHOLD / MILLIMETRE,
+    "draws": (LEAST_DRAWS, 1),
+    "strange": (100 * STRANGEST, 100),
+    "off_joints": (100 * MOST_OFF_JOINTS, 100),
+    "small": (THRESHOLD / MILLIMETRE, 1),
 }
-_PERCENT = "strange", "off_joints"
+"""{code of `damage.applications.groningen.claim.answer.reasons`: (limit as it is shown, factor by
+which values are shown)}."""
 
 
 def set_aside(out):
@@ -65,6 +66,8 @@ def sheet(numbers, wall, survey, twins, language, json_name):
     file of all numbers."""
     say = partial(words, language)
     shown = partial(number, language)
+    made_by = numbers["made_by"]
+    draws = made_by["draws"]
 
     def ranges(three):
         if not three:
@@ -90,17 +93,12 @@ def sheet(numbers, wall, survey, twins, language, json_name):
             taken=_taken(numbers, say, shown),
             evidence=_evidence(numbers["evidence"], language),
             json_name=json_name,
-            software=_software(numbers["made_by"]),
+            software=(
+                f"masonry-damage {made_by['software']}, commit {made_by['commit']}; draws: commit"
+                f" {draws['commit']}, model {draws['model_digest']}, measures"
+                f" {draws['measures_digest']}"
+            ),
         )
-    )
-
-
-def _software(made_by):
-    """The software that made a sheet, and its draws, in words; made_by: of `numbers_of`."""
-    draws = made_by["draws"]
-    return (
-        f"masonry-damage {made_by['software']}, commit {made_by['commit']}; draws: commit"
-        f" {draws['commit']}, model {draws['model_digest']}, measures {draws['measures_digest']}"
     )
 
 
@@ -109,17 +107,11 @@ def in_words(numbers, language="en"):
     is one, "helps": what would give one}, lists."""
     say = partial(words, language)
     shown = partial(number, language)
-    why = [
-        say(
-            f"why_{question['why']}",
-            value=_beyond(
-                question["value"] * (100 if question["why"] in _PERCENT else 1), limit, shown
-            ),
-            limit=shown(limit),
-        )
-        for question in numbers["no_answer"]
-        for limit in (_LIMITS[question["why"]],)
-    ]
+    why = []
+    for reason in numbers["no_answer"]:
+        limit, factor = _LIMITS[reason["why"]]
+        value = _beyond(factor * reason["value"], limit, shown)
+        why.append(say(f"why_{reason['why']}", value=value, limit=shown(limit)))
     return {
         "answer": _answer(numbers, say, shown),
         "why": why,
@@ -210,6 +202,8 @@ def _answer(numbers, say, shown):
 
 
 def _taken(numbers, say, shown):
+    """Sentences on what was taken for the ground, the draws, their records, the front and the
+    survey, a list."""
     given = numbers["settlement"]
     survey = numbers["survey"]
     if "drawn" in given:
@@ -223,7 +217,10 @@ def _taken(numbers, say, shown):
         )
     else:
         ground = say("settled_file", profile=given["profile"])
-    return [
+    strong = numbers["choices"].get("strong")
+    along, up = numbers["choices"].get("units", (1, 1))
+    looked_at = survey["share_looked_at"]
+    sentences = [
         ground,
         say(
             "draws",
@@ -235,9 +232,10 @@ def _taken(numbers, say, shown):
             fell=numbers["fell"]["earthquakes"],
             fell_settled=numbers["fell"]["both"],
         ),
-        *_windows(numbers["choices"].get("strong"), say, shown),
-        *_units(numbers["choices"].get("units", (1, 1)), say),
-        *_looked_at(survey["share_looked_at"], say),
+        any(strong or ())
+        and say("windows", first=shown(100 * strong[0]), last=shown(100 - 100 * strong[1])),
+        not along == up == 1 and say("units", along=along, up=up),
+        looked_at != 1 and say("looked_at", share=round(100 * looked_at)),
         say("widths_used"),
         say(
             "detection",
@@ -246,25 +244,7 @@ def _taken(numbers, say, shown):
         ),
         say("offsets_yes" if survey["offsets_known"] else "offsets_no"),
     ]
-
-
-def _windows(strong, say, shown):
-    """What the windows of the records leave out, a list of sentences; strong: as of Choices, None
-    where nothing."""
-    if not any(strong or ()):
-        return []
-    return [say("windows", first=shown(100 * strong[0]), last=shown(100 - 100 * strong[1]))]
-
-
-def _looked_at(share, say):
-    """How much of the front the survey looked at, a list of sentences, empty where all of it."""
-    return [] if share == 1 else [say("looked_at", share=round(100 * share))]
-
-
-def _units(units, say):
-    """What the units of the front are, a list of sentences, empty where they are its bricks."""
-    along, up = units
-    return [] if along == up == 1 else [say("units", along=along, up=up)]
+    return list(filter(None, sentences))
 
 
 def outside_at_rest(wall, language):
@@ -283,6 +263,7 @@ def _unit(unit, language):
 
 
 def _evidence(evidence, language):
+    """A sentence on which quantities lie outside the range of validity."""
     say = partial(words, language)
     shown = partial(number, language)
     outside = [
