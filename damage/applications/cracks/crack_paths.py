@@ -78,8 +78,7 @@ def crack_paths(stretches, layout, tolerance=None):
 
     tolerance [m]: how far from a line its joints may be, None for half a brick's length.
     """
-    brick = layout.wall.brick
-    tolerance = brick.length / 2 if tolerance is None else tolerance
+    tolerance = layout.wall.brick.length / 2 if tolerance is None else tolerance
     check_positive("tolerance [m]", tolerance)
     places = (
         ends_of(stretches) if isinstance(stretches, pd.DataFrame) else np.asarray(stretches, float)
@@ -91,15 +90,14 @@ def crack_paths(stretches, layout, tolerance=None):
     apart = 0.0
     for number, line in enumerate(lines_of(places)):
         drawn = np.stack([line[:-1], line[1:]], axis=1)
-        pieces = network.in_masonry(_simplified(line, SIMPLER), brick.height / 2)
-        paths = [network.path(piece, brick.height) for piece in pieces]
+        paths = [network.path(piece) for piece in network.in_masonry(_simplified(line))]
         joint = np.concatenate([np.zeros(0, int), *paths])
         middle = network.ends[joint].mean(axis=1)
         distance = _distances(middle, drawn)
         near = distance.min(axis=1, initial=np.inf) <= tolerance
         joint = joint[near]
         distance = distance[near]
-        on_joints += network.covered(drawn, joint, tolerance, brick.height / 2)
+        on_joints += network.covered(drawn, joint, tolerance)
         apart = max(apart, distance.min(axis=1).max(initial=0.0))
         stretch = first + distance.argmin(axis=1)
         tables.append(pd.DataFrame({"line": number, "joint": joint, "stretch": stretch}))
@@ -115,14 +113,14 @@ def crack_paths(stretches, layout, tolerance=None):
     )
 
 
-def _simplified(line, most):
-    """A polyline (n, 2) with fewer points: none that is left out is farther from it than `most` [m]
+def _simplified(line):
+    """A polyline (n, 2) with fewer points: none that is left out is farther from it than SIMPLER
     (Douglas and Peucker 1973)."""
     away = _distances(line[1:-1], line[np.newaxis, [0, -1]])[:, 0]
-    if away.max(initial=0.0) <= most:
+    if away.max(initial=0.0) <= SIMPLER:
         return line[[0, -1]]
     middle = 1 + int(away.argmax())
-    return np.vstack([_simplified(line[: middle + 1], most), _simplified(line[middle:], most)[1:]])
+    return np.vstack([_simplified(line[: middle + 1]), _simplified(line[middle:])[1:]])
 
 
 def _distances(points, segments):
@@ -146,18 +144,20 @@ class _Network:
 
     ends: (n_joints, 2, 2) [m]; length: (n_joints,) [m]; corners: (n_corners, 2) [m]; corner:
     (n_joints, 2) indices; joint_of: {(corner, corner): joint};
-    low, high: (n, 2) [m], corners of all bodies.
+    height: of a brick [m]; low, high: (n, 2) [m], corners of all bodies with half of that around
+    them, within which a place is in masonry.
     """
 
     def __init__(self, layout):
         n = layout.n_below_caps
         bodies = layout.bodies
-        middle, half = (
+        middle, size = (
             np.column_stack([getattr(bodies, name)[:n] for name in names])
             for names in (("x", "z"), ("length", "height"))
         )
-        self.low = middle - half / 2
-        self.high = middle + half / 2
+        self.height = layout.wall.brick.height
+        self.low = middle - size / 2 - self.height / 2
+        self.high = middle + size / 2 + self.height / 2
         self.ends = np.sort(tributary_ends(joint_table(layout)), axis=1)
         self.length = layout.contacts.length[: layout.n_joints]
         places = self.ends.reshape(-1, 2)
@@ -170,39 +170,37 @@ class _Network:
             tuple(sorted(pair)): number for number, pair in enumerate(self.corner.tolist())
         }
 
-    def _has(self, points, margin):
-        """Whether points (n, 2) lie in bodies, or within a margin [m] of one."""
+    def _has(self, points):
+        """Whether points (n, 2) lie in masonry."""
 
         def inside(points):
-            low = self.low - margin
-            high = self.high + margin
-            near = ((low <= points.max(axis=0)) & (high >= points.min(axis=0))).all(axis=1)
+            near = (self.low <= points.max(axis=0)) & (self.high >= points.min(axis=0))
+            low, high = (corners[near.all(axis=1)] for corners in (self.low, self.high))
             points = points[:, np.newaxis]
-            return ((points >= low[near]) & (points <= high[near])).all(axis=2).any(axis=1)
+            return ((points >= low) & (points <= high)).all(axis=2).any(axis=1)
 
         return in_chunks(inside, points)
 
-    def covered(self, drawn, joint, tolerance, margin):
-        """Length [m] of stretches (n, 2, 2) in masonry, as of `in_masonry`, with one of these
-        joints within the tolerance [m]."""
+    def covered(self, drawn, joint, tolerance):
+        """Length [m] of stretches (n, 2, 2) in masonry with one of these joints within the
+        tolerance [m]."""
         covered = 0.0
         for start, end in drawn if len(joint) else ():
             length = hypot(*(end - start))
             n = max(1, int(np.ceil(length / _SAMPLE)))
             (middle,) = points_along(np.array([[start, end]]), n)
             near = _from_nearest(middle, self.ends[joint]) <= tolerance * (1 + 1e-9)
-            covered += length * (near & self._has(middle, margin)).mean()
+            covered += length * (near & self._has(middle)).mean()
         return covered
 
-    def in_masonry(self, line, margin):
-        """The parts of a polyline (n, 2) [m] that lie in bodies, or within a margin [m] of one: a
-        list of polylines."""
+    def in_masonry(self, line):
+        """The parts of a polyline (n, 2) [m] that lie in masonry, a list of polylines."""
         pieces = []
         goes_on = False
         for start, end in pairwise(line):
             n = max(1, int(np.ceil(hypot(*(end - start)) / _SAMPLE)))
             points = start + (end - start) * (np.arange(n + 1) / n)[:, np.newaxis]
-            inside = self._has(points, margin)
+            inside = self._has(points)
             edges = np.flatnonzero(np.diff(np.concatenate([[0], inside, [0]])))
             for first, last in edges.reshape(-1, 2):
                 goes_on = goes_on and first == 0
@@ -214,9 +212,8 @@ class _Network:
             goes_on = goes_on and bool(inside[-1])
         return [np.array(piece) for piece in pieces]
 
-    def path(self, line, height):
-        """The joints of the path of a polyline (n, 2) [m], in the order of the way; height: of a
-        brick [m]."""
+    def path(self, line):
+        """The joints of the path of a polyline (n, 2) [m], in the order of the way."""
         parts = np.stack([line[:-1], line[1:]], axis=1)
         near = np.flatnonzero(_from_nearest(self.corners, parts) <= AROUND_M)
         if len(near) == 0:
@@ -226,7 +223,7 @@ class _Network:
         joint = np.flatnonzero((local[self.corner] >= 0).all(axis=1))
         first, second = local[self.corner[joint]].T
         cost = self.length[joint, np.newaxis] * (
-            1 + (_distances(self.ends[joint].mean(axis=1), parts) / height) ** 2
+            1 + (_distances(self.ends[joint].mean(axis=1), parts) / self.height) ** 2
         )
         n = len(near)
         turn = _END * np.linalg.norm(self.corners[near][:, np.newaxis] - line, axis=2)

@@ -355,16 +355,11 @@ def report(measured, layout):
         np.tan(wall.joint.friction_angle) * weight / contacts.shear_stiffness[:n], initial=0.0
     )
     length = layout.joint_length
-    unseen = [length[np.isnan(level.opening)].sum() for level in measured]
-    deviation = [
-        np.median(level.deviation[np.isfinite(level.opening)])
-        for level in measured
-        if np.isfinite(level.opening).any()
-    ]
+    deviations = [level.deviation[np.isfinite(level.opening)] for level in measured]
     return {
         "noise_m": max(level.noise for level in measured),
-        "opening_deviation_m": max(deviation, default=np.nan),
-        "unseen_m": max(unseen),
+        "opening_deviation_m": max(map(np.median, filter(len, deviations)), default=np.nan),
+        "unseen_m": max(length[np.isnan(level.opening)].sum() for level in measured),
         "elastic_opening_m": opening,
         "elastic_slip_m": slip,
     }

@@ -152,20 +152,16 @@ def largest_share(draws):
 
 def shaking(exposure, twins):
     """`Exposure.as_dict` with the SHOWN_EVENTS events of the largest median PGV alone, what each
-    adds to Psi (`mean_gains`), and the number of all events."""
+    adds to Psi on ground at rest, a mean over the draws, and the number of all events."""
     numbers = exposure.as_dict()
-    gains = mean_gains(twins.events[SHAKEN])
+    shaken = twins.events[SHAKEN]
+    gain = shaken["psi"] - shaken.groupby("life")["psi"].shift(fill_value=0.0)
+    gains = gain.groupby(shaken["id"]).sum() / shaken["life"].nunique()
     events = [
         event | {"mean_psi_added": gains.get(event["id"], 0.0)}
         for event in strongest(numbers, SHOWN_EVENTS)
     ]
     return numbers | {"n_events": len(numbers["events"]), "events": events}
-
-
-def mean_gains(events):
-    """{identifier of an event: mean over the draws of what it adds to Psi on ground at rest}."""
-    gain = events["psi"] - events.groupby("life")["psi"].shift(fill_value=0.0)
-    return (gain.groupby(events["id"]).sum() / events["life"].nunique()).to_dict()
 
 
 def evidence_of(history, outside):

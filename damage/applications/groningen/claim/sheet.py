@@ -174,11 +174,8 @@ def _answer(numbers, say, shown):
             for entry in numbers["like_survey"].values()
             if entry[name]["share"] is not None
         ]
-        ranges = (
-            "-".join(str(share) for share in sorted({round(min(shares)), round(max(shares))}))
-            if shares
-            else "-"
-        )
+        ends = sorted({round(min(shares)), round(max(shares))}) if shares else []
+        ranges = "-".join(map(str, ends)) or "-"
         sentences.append(say(f"{name}_{numbers['verdict'][name]}", ranges=ranges))
     added = [
         entry["like_survey"]["added"]
