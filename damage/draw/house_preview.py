@@ -23,8 +23,7 @@ def preview(layout):
     """Figure of a wall or a house before it is run, by its Layout."""
     if layout.IN_SPACE:
         return house_preview(layout)
-    supports = tuple(zip(layout.supports.left, layout.supports.right))
-    return wall_preview(layout.plan, body_table(layout), joint_table(layout), supports)
+    return wall_preview(layout.plan, body_table(layout), joint_table(layout), layout.supports)
 
 
 @style.styled

@@ -30,12 +30,12 @@ EDGES = {"bricks": "0.55", "lintels": style.BODY_COLOURS["lintels"]}
 
 
 @style.styled
-def wall_preview(plan, bodies, joints, supports=()):
+def wall_preview(plan, bodies, joints, supports):
     """Figure of a wall in true scale.
 
     plan: its damage.wall.plan.Plan; bodies, joints: tables as of a Layout or a History
-    (`damage.wall.geometry`); supports: (left, right) [m] of the parts of the base that carry by
-    themselves, none for one below all.
+    (`damage.wall.geometry`); supports: `left` and `right` (n_supports,) [m] of the parts of the
+    base that carry by themselves.
     """
     figure, ax = style.new_figure(1.0)
     handles, ratio = draw_preview(ax, plan, bodies, joints, supports)
@@ -43,9 +43,9 @@ def wall_preview(plan, bodies, joints, supports=()):
     return style.finish_in_scale(figure, title_of(plan.wall, bodies, joints), handles)
 
 
-def draw_preview(ax, plan, bodies, joints, supports=()):
-    """Draw a wall as of `wall_preview` into axes, in true scale; returns handles of a legend, and
-    the height over the width of the axes."""
+def draw_preview(ax, plan, bodies, joints, supports=None):
+    """Draw a wall as of `wall_preview` into axes, in true scale, without `supports` on one below
+    all; returns handles of a legend, and the height over the width of the axes."""
     wall = plan.wall
     corners = body_corners(bodies)
     kinds = kinds_of_bodies(bodies["course"])
@@ -56,7 +56,8 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
             colours = style.BODY_COLOURS[kind], EDGES.get(kind, style.DARK)
             style.add_bodies(ax, corners[kinds == kind], *colours)
             handles.append(style.area_handle(colours[0], label, colours[1]))
-    support = "support" if len(supports) < 2 else f"{len(supports)} supports"
+    parts = [(0.0, wall.length)] if supports is None else [*zip(supports.left, supports.right)]
+    support = "support" if len(parts) == 1 else f"{len(parts)} supports"
     handles.insert(1, style.area_handle(style.GROUND_COLOUR, support))
     style.add_lines(ax, tributary_ends(joints[elastic]), style.GREEN, 0.6)
     if elastic.any():
@@ -66,7 +67,7 @@ def draw_preview(ax, plan, bodies, joints, supports=()):
         handles.append(style.line_handle(style.PURPLE, "outline", 0.8, "--"))
     handles += _draw_floors(ax, plan)
     depth = GROUND_DEPTH * wall.built_height
-    for left, right in supports or ((0.0, wall.length),):
+    for left, right in parts:
         ground = [((left, -depth), (right, -depth), (right, 0.0), (left, 0.0))]
         style.add_bodies(ax, ground, style.GROUND_COLOUR, style.DARK)
     _size_openings(ax, plan)

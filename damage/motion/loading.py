@@ -650,20 +650,19 @@ class TopDisplacement(Loading):
         return np.concatenate([[0.0], times]), np.concatenate([[0.0], np.repeat(points[1:], 2)])
 
     def as_dict(self) -> dict:
-        shares = {"floor_shares": [[*floor_share] for floor_share in self.floor_shares]}
-        return {
+        table = {
             "kind": "cyclic" if self.cycles else "pushover",
             "name": self.name,
-            "amplitudes_pct": [float(a) for a in self.amplitudes_pct],
-            "cycles": int(self.cycles),
+            "amplitudes_pct": self.amplitudes_pct,
+            "cycles": self.cycles,
             "boundary": self.boundary,
-            "speed_m_s": float(self.speed_m_s),
+            "speed_m_s": self.speed_m_s,
             "ease_s": EASE_S,
             "follows": "drift",
-            "local_damping": float(self.local_damping),
-            "top_rotation": float(self.top_rotation),
-            **(shares if self.floor_shares else {}),
+            "local_damping": self.local_damping,
+            "top_rotation": self.top_rotation,
         }
+        return table | ({"floor_shares": self.floor_shares} if self.floor_shares else {})
 
 
 _KINDS = {

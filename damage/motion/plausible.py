@@ -138,7 +138,7 @@ def spike_warnings(record):
     """Warning of a Record with a sample far from its neighbours and from the rest, which no ground
     motion has: a list of lines.  One further such sample may be beside it."""
     a = record.acceleration_m_s2
-    size = np.abs(record.acceleration_m_s2)
+    size = np.abs(a)
     padded = np.pad(a, _NEIGHBOURS, mode="reflect")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _NEIGHBOURS + 1)
     candidates = np.flatnonzero(size > 0.5 * size.max())

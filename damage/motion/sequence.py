@@ -107,14 +107,12 @@ def as_table(events):
     each one's motion. Their factors are the history's `sequence`."""
     if not events:
         return {}
-    motions = list({id(event.loading): event.loading for event in events}.values())
+    motions = {id(event.loading): event.loading for event in events}
+    numbers = list(motions)
     return {
-        "motions": [motion.as_dict() for motion in motions],
+        "motions": [motion.as_dict() for motion in motions.values()],
         "events": [
-            {
-                "motion": [event.loading is motion for motion in motions].index(True),
-                "rest_s": float(event.rest_s),
-            }
+            {"motion": numbers.index(id(event.loading)), "rest_s": float(event.rest_s)}
             for event in events
         ],
     }

@@ -197,19 +197,18 @@ def _of_levels(table, x, height):
         [_day(table, *row) if dated else date.min for row in enumerate(table.rows["date"])]
     )
     days = sorted(set(day_of))
-    first, last = (
-        _rising(table, x, height, np.flatnonzero(day_of == day)) for day in (days[0], days[-1])
-    )
-    up = last[1] - (linear(last[0], *_longer(*first)) if len(days) > 1 else 0.0)
-    if len(days) > 1 and (last[0][0] < first[0][0] - END_M or last[0][-1] > first[0][-1] + END_M):
-        raise InputError(
-            f"{table.path}: levels of {days[-1]} from x = {last[0][0]:g} to {last[0][-1]:g} m, of"
-            f" {days[0]} from {first[0][0]:g} to {first[0][-1]:g} m; expected the same places; give"
-            " those"
-        )
+    first_x, first_height = _rising(table, x, height, np.flatnonzero(day_of == days[0]))
+    x, up = _rising(table, x, height, np.flatnonzero(day_of == days[-1]))
     if len(days) == 1:
         warn(f"{table.path}: levels of one date: the course is taken as level when it was built")
-    x, up = _longer(last[0], up)
+    elif x[0] < first_x[0] - END_M or x[-1] > first_x[-1] + END_M:
+        raise InputError(
+            f"{table.path}: levels of {days[-1]} from x = {x[0]:g} to {x[-1]:g} m, of {days[0]}"
+            f" from {first_x[0]:g} to {first_x[-1]:g} m; expected the same places; give those"
+        )
+    else:
+        up = up - linear(x, *_longer(first_x, first_height))
+    x, up = _longer(x, up)
     return x, up - up.max()
 
 

@@ -163,7 +163,7 @@ class TestMaterials:
 class TestPreview:
     def test_it_names_piers_and_spandrels_and_weighs_floors(self):
         layout = lay_out(HOUSE, ModelOptions(lintel="1"))
-        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout))
+        figure = wall_preview(layout.plan, body_table(layout), joint_table(layout), layout.supports)
         said = [text.get_text() for text in figure.axes[0].texts]
         assert said == ["0.9 t (8.83 kN)", "0.88 x 2.1", "P1", "P2", "S1"]
 

@@ -97,8 +97,7 @@ def still(history):
 def preview(history):
     """The wall as it was built, with its masses, elastic joints and names of piers and spandrels,
     as a picture."""
-    base = support_motion(history, None)
-    supports = tuple(zip(base.left, base.right)) if len(base.left) > 1 else ()
+    supports = support_motion(history, None)
     return as_png(wall_preview(history.plan, history.bodies, history.joints, supports))
 
 
