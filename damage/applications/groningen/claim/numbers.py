@@ -170,7 +170,7 @@ def evidence_of(history, outside):
     evidence = evidence_for(history.masonry_wall, history.parameters, summarise(history))
     runs = list(map(names_outside, outside))
     for name, quantity in evidence.items():
-        quantity["outside_share"] = np.mean([name in names for names in runs])
+        quantity["outside_share"] = float(np.mean([name in names for names in runs]))
         if quantity["outside_share"]:
             quantity["inside"] = False
     return evidence
