@@ -94,7 +94,7 @@ def make_history(
     frames = {"opening_m": opened, "slip_m": slipped, "offset_m": away, "state": state}
     ground = {f"ground/{name}": np.zeros((1, len(layout.supports), 3)) for name in GROUND}
     if layout.IN_SPACE:
-        n_walls = len(layout.left)
+        n_walls = len(layout.walls)
         rows = {name: np.zeros(n_walls) for name in HOUSE} | (house or {})
         rows |= {"base_acceleration_m_s2": 0.0, "failed_ties": 0}
         ground |= {f"house/{name}": np.array([values]) for name, values in rows.items()}

@@ -26,16 +26,16 @@ from scipy.sparse import coo_matrix, csr_matrix, hstack, vstack
 
 from damage.errors import InputError
 from damage.units import GRAVITY
-from damage.wall.layout import contact_normals
 
 # of scipy.optimize.linprog
 _INFEASIBLE = 2
 _UNBOUNDED = 3
 
 
-def kinematic_matrix(layout, directions):
-    """Sparse (n_contacts, coordinates n_bodies) of `kinematic_rows`."""
-    rows = layout.kinematic_rows(directions)
+def kinematic_matrix(layout, direction):
+    """Sparse (n_contacts, coordinates n_bodies) of `Layout.directions`: 0 across, 1 along the
+    joint."""
+    rows = layout.directions[direction]
     contacts = layout.contacts
     size = rows.shape[2]
     ends = np.stack([contacts.first, contacts.second])
@@ -113,10 +113,7 @@ def top_load(layout):
 def balance(layout):
     """Sparse (3 n_bodies, 2 n_contacts): forces and moments on the bodies of unit contact forces,
     first the normal ones (compression), then the shear ones."""
-    normals = contact_normals(layout.contacts)
-    return hstack(
-        [kinematic_matrix(layout, normals).T, kinematic_matrix(layout, normals[:, ::-1]).T]
-    ).tocsr()
+    return hstack([kinematic_matrix(layout, direction).T for direction in (0, 1)]).tocsr()
 
 
 def flow(layout, motion):

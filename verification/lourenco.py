@@ -230,14 +230,16 @@ def _on_left_half(wall, stone):
     layout = wall.layout
     bodies = layout.bodies
     contacts = layout.contacts
-    cells = layout.cells
     stresses = wall.stresses
     half = GRAVITY * bodies.mass[stone] / 2
     total = np.array([0.0, -half, half * bodies.length[stone] / 4])
     for side, sign in (("first", 1.0), ("second", -1.0)):
         mine = np.flatnonzero(getattr(contacts, side) == stone)
-        cell = getattr(contacts, f"{side}_cell")[mine]
-        mine = mine[(cells.left[cell] + cells.right[cell]) / 2 < bodies.x[stone]]
+        away = contacts.x[mine] - bodies.x[stone]
+        # of two points in the middle the first is at the end of the left cell
+        in_the_middle = np.abs(away) < 1e-6
+        is_left = np.where(in_the_middle, np.cumsum(in_the_middle) % 2 == 1, away < 0)
+        mine = mine[is_left]
         normal, shear = (sign * stress[mine] * contacts.area[mine] for stress in stresses)
         head = contacts.kind[mine] == HEAD
         fx = np.where(head, normal, shear)

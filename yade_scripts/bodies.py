@@ -272,7 +272,7 @@ class HouseParts(Parts):
         bodies = self.layout.bodies
         self.waiting.update(zip(tips, later))
         self.corners.append(later[len(tips) :])
-        along, up = self.layout.across_inertia[body]
+        along, up = bodies.across_inertia[body]
         _set_free(clump, bodies.mass[body], (along, bodies.inertia[body], up))
 
     def _waiting_tip(self, tip):
@@ -283,7 +283,7 @@ class HouseParts(Parts):
     def place(self, newton):
         """Move the bodies from where they were built to their places."""
         layout = self.layout
-        for clump, centre, number in zip(self.clumps, layout.centres, layout.body_wall):
+        for clump, centre, number in zip(self.clumps, layout.centres, layout.bodies.wall):
             state = O.bodies[clump].state
             turn = Quaternion((0, 0, 1), np.radians(layout.house.walls[number].direction))
             state.pos = Vector3(*centre)
@@ -296,7 +296,7 @@ class HouseParts(Parts):
         """Opposite corners (x, y) of a support [m]: around the contact points on it, or beyond all
         walls."""
         layout = self.layout
-        places = layout.place[:, :2]
+        places = layout.contacts.place[:, :2]
         beyond = _GROUND
         if len(layout.supports) > 1:  # below one brick, or where a corner took it away
             own_places = places[layout.contacts.first == GROUND - support]

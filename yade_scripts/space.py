@@ -31,10 +31,10 @@ class SpaceReader(SceneReader):
         self.ground_at = (layout.ground_left + layout.ground_right) / 2
         centres = np.vstack([self.start, self._of_ground(self.ground_at, 0 * self.ground_at)])
         # the numbers of points last, which numpy takes at once
-        self._arms = [(layout.place - centres[end]).T for end in self._ends]
-        self._axes = np.ascontiguousarray(layout.axes.transpose(1, 2, 0))
+        self._arms = [(contacts.place - centres[end]).T for end in self._ends]
+        self._axes = np.ascontiguousarray(contacts.axes.transpose(1, 2, 0))
         # about the axes of a body: along, across and upwards
-        self._inertia = np.insert(layout.across_inertia, 1, bodies.inertia, axis=1)
+        self._inertia = np.insert(bodies.across_inertia, 1, bodies.inertia, axis=1)
 
     def turned_by_heading(self, along, up, across):
         """Along x, z and y of the house what is along its heading, upwards and across."""

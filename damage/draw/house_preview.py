@@ -44,13 +44,14 @@ def house_preview(layout):
     figure = Figure(figsize=(PAGE_WIDTH, plan + high + 1.0), layout="constrained")
     cells = figure.add_gridspec(2, len(walls), height_ratios=(plan, high), width_ratios=lengths)
     handles |= _draw_plan(figure.add_subplot(cells[0, :]), house)
-    body_wall = layout.body_wall
-    joint_wall = layout.joint_wall[:n]
-    bodies = body_table(layout).assign(x_m=layout.bodies.x - layout.left[body_wall])
-    joints = joint_table(layout).assign(x_m=layout.contacts.x[:n] - layout.left[joint_wall])
+    body_wall = layout.bodies.wall
+    joint_wall = layout.contacts.wall[:n]
+    left = layout.placing.left
+    bodies = body_table(layout).assign(x_m=layout.bodies.x - left[body_wall])
+    joints = joint_table(layout).assign(x_m=layout.contacts.x[:n] - left[joint_wall])
     is_slab = layout.bodies.course == SLAB_COURSE
     slabs = bodies[is_slab].sort_values("z_m")
-    middle = np.abs(layout.y[:n]) < TINY
+    middle = np.abs(layout.contacts.y[:n]) < TINY
     for number, wall in enumerate(walls):
         ax = figure.add_subplot(cells[1, number])
         on_wall = slabs[[wall.name in slab.walls for slab in concrete]]

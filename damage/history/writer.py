@@ -318,7 +318,7 @@ def layout_tables(layout):
             bodies.course,
         ),
         "supports": (supports.left, supports.right),
-        **layout.placing,
+        **layout.more_tables,
     }
     return {
         f"{group}/{name}": np.asarray(data, column.dtype)

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from damage.errors import InputError
-from damage.house.space import SHARES, THROUGH, Points, boxes, with_points
+from damage.house.space import SHARES, THROUGH, boxes, with_points
 from damage.rounded import to_bits
 from damage.wall.kinds import BED, GROUND, HEAD, TINY
 
@@ -49,19 +49,19 @@ def makes_room_for(layout, one, other, kind):
 def with_loads(layout, making_room):
     """The HouseLayout with what bodies that make room carried on those in their place."""
     bodies = layout.bodies
-    density = np.array([wall.brick.density for wall in layout.walls])[layout.body_wall]
-    loads = bodies.mass - density * bodies.length * layout.depth * bodies.height
+    density = np.array([wall.brick.density for wall in layout.walls])[bodies.wall]
+    loads = bodies.mass - density * bodies.length * bodies.depth * bodies.height
     gone = making_room >= 0
     more = np.bincount(making_room[gone], loads[gone], len(bodies))
     more[more < TINY] = 0.0
     factor = 1 + more / bodies.mass
-    mass = to_bits(bodies.mass * factor)
-    inertia = to_bits(bodies.inertia * factor)
-    return replace(
-        layout,
-        bodies=replace(bodies, mass=mass, inertia=inertia),
-        across_inertia=layout.across_inertia * factor[:, None],
+    heavier = replace(
+        bodies,
+        mass=to_bits(bodies.mass * factor),
+        inertia=to_bits(bodies.inertia * factor),
+        across_inertia=bodies.across_inertia * factor[:, None],
     )
+    return replace(layout, bodies=heavier)
 
 
 def joined_at(layout, one, other):
@@ -98,11 +98,25 @@ def joined_at(layout, one, other):
             ("shear_stiffness", "shear_modulus"),
         )
     ]
-    kind = np.where(normal == 2, BED, HEAD)
     n = layout.n_joints
-    points = Points(kind, first, second, place, turned, distance / 2, area, *stiffness)
-    strength = least("joint", "tensile_strength"), least("joint", "cohesion"), np.inf
-    return replace(with_points(layout, n, points, one, strength), n_joints=n + len(first))
+    layout = with_points(
+        layout,
+        n,
+        one,
+        kind=np.where(normal == 2, BED, HEAD),
+        first=first,
+        second=second,
+        place=place,
+        axes=turned,
+        reach=distance / 2,
+        area=area,
+        normal_stiffness=stiffness[0],
+        shear_stiffness=stiffness[1],
+        tensile_strength=least("joint", "tensile_strength"),
+        cohesion=least("joint", "cohesion"),
+        compressive_strength=np.inf,
+    )
+    return replace(layout, n_joints=n + len(first))
 
 
 def _common(layout, one, other):
@@ -111,8 +125,9 @@ def _common(layout, one, other):
     (n_pairs,), and the centres' distances (n_pairs, 3)."""
     low, high = boxes(layout, one)
     centre = (low + high) / 2
-    overlapping = layout.depth < layout.wall.brick.thickness + TINY
-    i, j = (np.flatnonzero((layout.body_wall == number) & overlapping) for number in (one, other))
+    bodies = layout.bodies
+    overlapping = bodies.depth < layout.wall.brick.thickness + TINY
+    i, j = (np.flatnonzero((bodies.wall == number) & overlapping) for number in (one, other))
     i, j = (index.ravel() for index in np.meshgrid(i, j, indexing="ij"))
     common = np.maximum(low[i], low[j]), np.minimum(high[i], high[j])
     return *common, i, j, centre[j] - centre[i]

@@ -10,7 +10,6 @@ across.
 
 from dataclasses import replace
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,24 +19,23 @@ from damage.house.corners import joined_at, makes_room_for, with_loads
 from damage.house.house import House, outline
 from damage.house.limits import OF_MODELS, refuse
 from damage.house.meeting import check_plan
+from damage.house.placing import Placing
 from damage.house.space import (
     SHARES,
     THROUGH,
+    HouseBodies,
+    HouseContacts,
     HouseLayout,
-    Points,
     boxes,
-    concatenated,
-    placed,
-    taken,
     with_points,
     without,
 )
 from damage.rounded import to_bits
-from damage.wall.contact_points import Contacts
 from damage.wall.floors import Floor
 from damage.wall.kinds import CAP, GROUND, SLAB_COURSE, TINY
-from damage.wall.layout import Bodies, Cells, Supports, lay_out
+from damage.wall.layout import Supports, lay_out
 from damage.wall.model_options import ModelOptions
+from damage.wall.tables import concatenated, inertia_of, taken
 
 GAP_M = 0.5
 """Distance between two walls that are unfolded [m]."""
@@ -94,150 +92,123 @@ def lay_out_house(house, options=None, *, scatter=0.0, seed=0):
     return _with_bars(layout)
 
 
-class _Beside(NamedTuple):
-    """Walls beside each other.
-
-    bodies, contacts: of all; body_wall, joint_wall: number of the wall of each.
-    new: number among them of each body, part by part (n_bodies,).
-    first_body: of each part, in that order.
-    n_bricks, n_joints: of all.
-    """
-
-    bodies: Bodies
-    contacts: Contacts
-    body_wall: np.ndarray
-    joint_wall: np.ndarray
-    new: np.ndarray
-    first_body: np.ndarray
-    n_bricks: int
-    n_joints: int
-
-
-def _beside(parts, left):
-    """Layouts of walls _Beside each other, whose left ends are at these places [m]."""
-    first_body = np.append(0, np.cumsum([len(part.bodies) for part in parts]))
-    has_one = parts[0].options.supports == "one"
-    below = np.append(0, np.cumsum([0 if has_one else len(part.supports) for part in parts]))
-    bodies = []
-    contacts = []
-    for part, start, offset, ground in zip(parts, left, first_body, below):
-        table = part.contacts
-        first = np.where(table.first < 0, table.first - ground, table.first + offset)
-        moved = replace(table, x=table.x + start, first=first, second=table.second + offset)
-        bodies.append(replace(part.bodies, x=part.bodies.x + start))
-        contacts.append(moved)
-    # bricks of all walls first, as of one; joints before the glue of caps
-    is_other = np.concatenate([np.arange(len(part.bodies)) >= part.n_bricks for part in parts])
-    is_glue = np.concatenate([np.arange(len(part.contacts)) >= part.n_joints for part in parts])
-    order = np.argsort(is_other, kind="stable")
-    places = np.argsort(is_glue, kind="stable")
-    new = np.argsort(order)
-    wall_of = np.arange(len(parts))
-    table = taken(concatenated(contacts), places)
-    return _Beside(
-        bodies=taken(concatenated(bodies), order),
-        contacts=replace(
-            table,
-            first=np.where(table.first < 0, table.first, new[table.first]),
-            second=new[table.second],
-        ),
-        body_wall=np.repeat(wall_of, [len(part.bodies) for part in parts])[order],
-        joint_wall=np.repeat(wall_of, [len(part.contacts) for part in parts])[places],
-        new=new,
-        first_body=first_body,
-        n_bricks=int((~is_other).sum()),
-        n_joints=int((~is_glue).sum()),
-    )
-
-
 def _together(house, parts):
     """The HouseLayout of walls beside each other, three contact points through the thickness."""
     lengths = np.array([part.wall.length for part in parts])
-    left = np.append(0.0, np.cumsum(lengths + GAP_M))[:-1]
-    thickness = house.masonry.brick.thickness
-    n_rows = len(THROUGH)
-    walls = _beside(parts, left)
-    n_points = len(walls.contacts)
-    table = taken(walls.contacts, np.repeat(np.arange(n_points), n_rows))
-    share = np.tile(SHARES, n_points)
-    table = replace(table, length=table.length * share, area=table.area * share)
-    y = np.tile(THROUGH * thickness / 2, n_points)
-    joint_wall = np.repeat(walls.joint_wall, n_rows)
-    local = np.column_stack([table.x, y, table.z])
-    ends = np.stack([np.maximum(table.first, 0), table.second])
-    shorter = walls.bodies.length[ends].min(axis=0)
-    supports, ground_left, ground_right = _ground(house, parts, left)
-    drift_bodies = [
-        walls.new[part.drift_bodies + offset] for part, offset in zip(parts, walls.first_body)
-    ]
+    placing = Placing(house.walls, np.append(0.0, np.cumsum(lengths + GAP_M))[:-1])
+    first_body = np.append(0, np.cumsum([part.n_bodies for part in parts]))
+    bodies = concatenated([_bodies_of(placing, *part) for part in enumerate(parts)])
+    contacts = concatenated([_contacts_of(placing, *part) for part in enumerate(parts)])
+    # bricks of all walls first, as of one; joints before the glue of caps
+    order = np.argsort(bodies.course < 0, kind="stable")
+    new = np.argsort(order)
+    has_one = parts[0].options.supports == "one"
+    below = np.append(0, np.cumsum([0 if has_one else len(part.supports) for part in parts]))
+    first = contacts.first
+    contacts = replace(
+        contacts,
+        first=np.where(
+            first < 0, first - below[contacts.wall], new[first + first_body[contacts.wall]]
+        ),
+        second=new[contacts.second + first_body[contacts.wall]],
+    )
+    is_glue = contacts.kind == CAP
+    supports, ground_left, ground_right = _ground(house, placing, parts)
+    drift_bodies = [new[part.drift_bodies + start] for part, start in zip(parts, first_body)]
     drift_heights = np.array([part.drift_height for part in parts])
     return HouseLayout(
         wall=house.masonry,
         plan=parts[0].plan,
         options=parts[0].options,
-        bodies=walls.bodies,
-        cells=Cells(*np.zeros((3, 0))),
-        contacts=table,
-        n_bricks=walls.n_bricks,
-        n_joints=n_rows * walls.n_joints,
+        bodies=taken(bodies, order),
+        contacts=taken(contacts, np.argsort(is_glue, kind="stable")),
+        n_bricks=sum(part.n_bricks for part in parts),
+        n_joints=int(np.sum(~is_glue)),
         drift_bodies=np.concatenate(drift_bodies),
         drift_height=float(drift_heights.mean()),
         supports=supports,
         house=house,
-        left=left,
+        placing=placing,
         wall_drift_bodies=drift_bodies,
         drift_heights=drift_heights,
         ground_left=ground_left,
         ground_right=ground_right,
-        body_wall=walls.body_wall,
-        across_inertia=_across_inertia(walls.bodies, thickness),
-        offset=np.zeros(len(walls.bodies)),
-        depth=np.full(len(walls.bodies), thickness),
-        joint_wall=joint_wall,
+    )
+
+
+def _bodies_of(placing, number, part):
+    """The HouseBodies of a wall, by its number, of which this is the Layout."""
+    bodies = part.bodies
+    thickness = part.wall.brick.thickness
+    return HouseBodies(
+        **vars(replace(bodies, x=bodies.x + placing.left[number])),
+        wall=np.full(len(bodies), number),
+        across_inertia=_across_inertia(bodies, thickness),
+        offset=np.zeros(len(bodies)),
+        depth=np.full(len(bodies), thickness),
+    )
+
+
+def _contacts_of(placing, number, part):
+    """The HouseContacts of a wall, by its number, between bodies of its Layout alone."""
+    brick = part.wall.brick
+    n_points = len(part.contacts)
+    table = taken(part.contacts, np.repeat(np.arange(n_points), len(THROUGH)))
+    share = np.tile(SHARES, n_points)
+    wall = np.full(len(table), number)
+    x = table.x + placing.left[number]
+    y = np.tile(THROUGH * brick.thickness / 2, n_points)
+    local = np.column_stack([x, y, table.z])
+    length = part.bodies.length
+    shorter = np.minimum(length[table.first], length[table.second])
+    upright = table.upright[:, None]
+    along, across, up = placing.axes[number]
+    axes = (
+        np.where(upright, along, up),
+        np.where(upright, up, along),
+        np.broadcast_to(across, local.shape),
+    )
+    moved = {
+        "x": x,
+        "length": table.length * share,
+        "area": table.area * share,
+        "reach": np.where(table.upright, shorter, brick.height) / 2,
+    }
+    return HouseContacts(
+        **vars(table) | moved,
+        wall=wall,
         y=y,
-        place=placed(house, left, joint_wall, local),
-        axes=_axes(house, joint_wall, table.upright[:, None]),
-        reach=np.where(table.upright, shorter, house.masonry.brick.height) / 2,
+        place=placing.in_house(wall, local[:, None])[:, 0],
+        axes=np.stack(axes, axis=1),
     )
 
 
-def _axes(house, joint_wall, upright):
-    """Axes of contact points of these walls (n_contacts, 3, 3); upright: (n_contacts, 1)."""
-    along, across, up = np.array([placed.axes for placed in house.walls])[joint_wall].transpose(
-        1, 0, 2
+def _ground(house, placing, parts):
+    """Supports below unfolded walls, and their ends along the heading (n_supports,) [m], each as
+    thick as its wall."""
+    supports = Supports(
+        *(
+            np.concatenate(
+                [getattr(part.supports, end) + start for part, start in zip(parts, placing.left)]
+            )
+            for end in ("left", "right")
+        )
     )
-    normal = np.where(upright, along, up)
-    tangent = np.where(upright, up, along)
-    return np.stack([normal, tangent, across], axis=1)
-
-
-def _ground(house, parts, left):
-    """Supports below unfolded walls, and their ends along the heading (n_supports,) [m]."""
-    ends = [
-        np.concatenate([getattr(part.supports, end) + start for part, start in zip(parts, left)])
-        for end in ("left", "right")
-    ]
-    supports = Supports(*ends)
-    ground_left, ground_right = _along_heading(house, parts, left, supports)
-    if parts[0].options.supports != "one":
-        return supports, ground_left, ground_right
-    last = Supports(np.array([0.0]), left[-1:] + parts[-1].wall.length)
-    return last, ground_left.min(keepdims=True), ground_right.max(keepdims=True)
-
-
-def _along_heading(house, parts, left, supports):
-    """Ends along the heading (n_supports,) [m] of Supports below unfolded walls, each as thick as
-    its wall."""
     turn = np.radians(house.heading)
     heading = np.round([np.cos(turn), np.sin(turn), 0.0], 15)
     wall = np.repeat(np.arange(len(parts)), [len(part.supports) for part in parts])
-    y = house.masonry.brick.thickness / 2
+    half = house.masonry.brick.thickness / 2
     corners = [
-        placed(house, left, wall, np.column_stack([x, 0 * x + side, 0 * x])) @ heading
+        placing.in_house(wall, np.column_stack([x, 0 * x + side, 0 * x])[:, None])[:, 0] @ heading
         for x in (supports.left, supports.right)
-        for side in (-y, y)
+        for side in (-half, half)
     ]
-    return np.min(corners, axis=0), np.max(corners, axis=0)
+    left = np.min(corners, axis=0)
+    right = np.max(corners, axis=0)
+    if parts[0].options.supports != "one":
+        return supports, left, right
+    whole = Supports(np.array([0.0]), supports.right[-1:])
+    return whole, left.min(keepdims=True), right.max(keepdims=True)
 
 
 def _across_inertia(bodies, thickness):
@@ -267,7 +238,7 @@ def _with_slab(layout, floor):
     strip = Floor(floor.level, 1.0, kind="concrete", depth=floor.depth)
     z = sum(strip.courses(walls[0].wall)) / 2 * layout.wall.brick.height
     strips = (bodies.course == SLAB_COURSE) & (np.abs(bodies.z - z) < TINY)
-    strips &= np.isin(layout.body_wall, [house.walls.index(wall) for wall in walls])
+    strips &= np.isin(bodies.wall, [house.walls.index(wall) for wall in walls])
     slab = np.flatnonzero(strips)[0]
     number = house.walls.index(walls[0])
     low, high = outline(walls)
@@ -275,42 +246,37 @@ def _with_slab(layout, floor):
     x, y = (low + high) / 2 - walls[0].axes[:2, :2] @ walls[0].origin
     height = bodies.height[slab]
     mass = floor.mass_per_area * length * across
-    in_plane = {
-        "x": x + layout.left[number],
+    of_slab = {
+        "x": x + layout.placing.left[number],
         "length": length,
         "mass": mass,
-        "inertia": mass * (length**2 + height**2) / 12,
+        "inertia": inertia_of(mass, length, height),
+        "offset": y,
+        "depth": across,
+        "across_inertia": inertia_of(mass, across, np.array([height, length])),
     }
-    sizes = across**2 + np.array([height, length]) ** 2
-    across_plane = {"offset": y, "depth": across, "across_inertia": mass * sizes / 12}
-
-    def put(table, values):
-        columns = {name: getattr(table, name).copy() for name in values}
-        for name, value in values.items():
-            columns[name][slab] = to_bits(value)
-        return columns
-
+    columns = {name: getattr(bodies, name).copy() for name in of_slab}
+    for name, value in of_slab.items():
+        columns[name][slab] = to_bits(value)
     body = np.where(strips, slab, np.arange(len(bodies)))
     first = np.where(contacts.first < 0, contacts.first, body[contacts.first])
     contacts = replace(contacts, first=first, second=body[contacts.second])
-    bodies = replace(bodies, **put(bodies, in_plane))
-    layout = replace(layout, bodies=bodies, contacts=contacts, **put(layout, across_plane))
     strips[slab] = False
-    return without(layout, strips)
+    return without(replace(layout, bodies=replace(bodies, **columns), contacts=contacts), strips)
 
 
 def _check_slabs(layout):
     """Raise InputError for bodies in the way of a concrete floor."""
     house = layout.house
-    for slab in np.flatnonzero(layout.depth > layout.wall.brick.thickness + TINY):
-        low, high = boxes(layout, layout.body_wall[slab])
+    for slab in np.flatnonzero(layout.bodies.depth > layout.wall.brick.thickness + TINY):
+        low, high = boxes(layout, layout.bodies.wall[slab])
         common = np.minimum(high, high[slab]) - np.maximum(low, low[slab])
         for body in np.flatnonzero((common > TINY).all(axis=1)):
             if body != slab:
                 place = layout.centres[body]
                 raise InputError(
                     f"house {house.name}, floor at {high[slab, 2]:g} m: wall"
-                    f" {house.names[layout.body_wall[body]]} is in its way at"
+                    f" {house.names[layout.bodies.wall[body]]} is in its way at"
                     f" ({place[0]:.3f}, {place[1]:.3f}, {place[2]:.3f}) m: expected it among the"
                     " floor's walls, or a wall that ends below; correct it"
                 )
@@ -318,67 +284,71 @@ def _check_slabs(layout):
 
 def _with_bars(layout):
     """The Layout with bars for anchored joists and ties, behind all other contact points."""
-    new_bars = []
-    for what, bars in _bars(layout):
-        ends = [(*end, *bar) for bar in bars for end in _bar(layout, *bar[:3])]
-        if what and not ends:
-            span, share, z, *_ = bars[0]
-            x, y = span.at(share)[0]
-            raise InputError(
-                f"house {layout.house.name}, {what}: nowhere are there bricks of both, as at"
-                f" ({x:.3f}, {y:.3f}, {z:.3f}) m: expected leaves beside each other; correct them"
-            )
-        new_bars += ends
-    if not new_bars:
-        return layout
-    first, second, place, axes, spans, _, _, *forces = zip(*new_bars)
-    apart = np.array([span.apart for span in spans])
-    stiffness, tension, compression = np.array(forces) / JOIST_M2
-    points = Points(
-        CAP,
-        *map(np.array, (first, second, place, axes)),
-        apart / 2,
-        np.full(len(apart), JOIST_M2),
-        stiffness,
-        1e-6 * stiffness,
-    )
-    return with_points(layout, len(layout.contacts), points, 0, (tension, np.inf, compression))
-
-
-def _bars(layout):
-    """(words of what has to be somewhere, [(Span, share of it, height [m], stiffness [N/m],
-    strength in tension and compression [N])]) of each floor and of all Ties."""
     house = layout.house
     height = layout.wall.brick.height
-    crossings = []
     for floor in house.floors:
         z = (round(floor.level / height) - 0.5) * height
         for span in floor.spans(house.carrying(floor)) if floor.anchor_spacing else ():
             n = max(1, int(np.ptp(span.along) / floor.anchor_spacing + TINY))
-            strengths = z, JOIST_PA * JOIST_M2 / span.apart, np.inf, np.inf
-            crossings.append(("", [(span, (part + 0.5) / n, *strengths) for part in range(n)]))
+            bars = _bars(layout, span, [((part + 0.5) / n, z) for part in range(n)])
+            if bars:
+                stiffness = JOIST_PA * JOIST_M2 / span.apart
+                layout = _joined(layout, span, bars, stiffness, np.inf, np.inf)
     for ties in house.ties:
         span = ties.span(house)
-        strengths = (ties.stiffness, ties.tension, ties.compression)
-        bars = [(span, *place, *strengths) for place in ties.places(span)]
-        crossings.append((f"ties of {' and '.join(ties.walls)}", bars))
-    return crossings
+        places = ties.places(span)
+        bars = _bars(layout, span, places)
+        if not bars:
+            share, z = places[0]
+            x, y = span.at(share)[0]
+            raise InputError(
+                f"house {house.name}, ties of {' and '.join(ties.walls)}: nowhere are there bricks"
+                f" of both, as at ({x:.3f}, {y:.3f}, {z:.3f}) m: expected leaves beside each other;"
+                " correct them"
+            )
+        layout = _joined(layout, span, bars, ties.stiffness, ties.tension, ties.compression)
+    return layout
 
 
-def _bar(layout, span, share, z):
-    """[(both bodies, place and axes of the bar)] at this share of a Span and height [m], none where
-    it ends in an opening."""
+def _joined(layout, span, bars, stiffness, tension, compression):
+    """The Layout with bars across a Span, of this stiffness [N/m] and these strengths [N]."""
+    first, second, place, axes = map(np.array, zip(*bars))
+    return with_points(
+        layout,
+        len(layout.contacts),
+        0,
+        kind=CAP,
+        first=first,
+        second=second,
+        place=place,
+        axes=axes,
+        reach=span.apart / 2,
+        area=JOIST_M2,
+        normal_stiffness=stiffness / JOIST_M2,
+        shear_stiffness=1e-6 * (stiffness / JOIST_M2),
+        tensile_strength=tension / JOIST_M2,
+        cohesion=np.inf,
+        compressive_strength=compression / JOIST_M2,
+    )
+
+
+def _bars(layout, span, places):
+    """[(both bodies, place and axes of a bar)] at these places, (share of a Span, height [m]), none
+    where one ends in an opening."""
     bodies = layout.bodies
-    sides = []
-    on_course = (np.abs(bodies.z - z) < bodies.height / 2 + TINY) & (bodies.course != SLAB_COURSE)
-    for wall, along in zip((span.one, span.other), span.along_at(share)):
-        number = layout.house.walls.index(wall)
-        away = np.abs(bodies.x - layout.left[number] - along) - bodies.length / 2
-        sides.append(np.flatnonzero(on_course & (layout.body_wall == number) & (away < TINY)))
-    if not (len(sides[0]) and len(sides[1])):
-        return []
-    ends = np.insert(span.at(share), 2, z, axis=1)
-    normal = (ends[1] - ends[0]) / span.apart
     up = np.array([0.0, 0.0, 1.0])
-    axes = np.array([normal, up, np.cross(normal, up)])
-    return [(sides[0][0], sides[1][0], ends.mean(axis=0), axes)]
+    bars = []
+    for share, z in places:
+        on_course = np.abs(bodies.z - z) < bodies.height / 2 + TINY
+        on_course &= bodies.course != SLAB_COURSE
+        sides = []
+        for wall, along in zip((span.one, span.other), span.along_at(share)):
+            number = layout.house.walls.index(wall)
+            away = np.abs(bodies.x - layout.placing.left[number] - along) - bodies.length / 2
+            sides.append(np.flatnonzero(on_course & (bodies.wall == number) & (away < TINY)))
+        if all(map(len, sides)):
+            ends = np.insert(span.at(share), 2, z, axis=1)
+            normal = (ends[1] - ends[0]) / span.apart
+            axes = np.array([normal, up, np.cross(normal, up)])
+            bars.append((sides[0][0], sides[1][0], ends.mean(axis=0), axes))
+    return bars

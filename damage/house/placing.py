@@ -3,7 +3,9 @@
 Places in a wall are x along it as unfolded, y from its middle plane and z; in the house x, y, z.
 """
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,17 +19,38 @@ BOX = np.array([(x, y, z) for y in (1, -1) for x, z in _SIDE])
 then at -y."""
 
 
-class Placing(NamedTuple):
-    """Places of the walls of a house: names; left end of each as unfolded (n_walls,) [m]; origin
-    (n_walls, 3) [m] and axes, along, across and upwards (n_walls, 3, 3), in the house; length and
-    thickness (n_walls,) [m]."""
+@dataclass(frozen=True)
+class Placing:
+    """Places of the walls of a house: Placed walls, and the left end of each as unfolded (n_walls,)
+    [m]."""
 
-    names: list
+    walls: Sequence[Placed]
     left: np.ndarray
-    origin: np.ndarray
-    axes: np.ndarray
-    length: np.ndarray
-    thickness: np.ndarray
+
+    @property
+    def names(self):
+        """Names of the walls."""
+        return [placed.wall.name for placed in self.walls]
+
+    @cached_property
+    def axes(self):
+        """Axes of the walls in the house: along, across and upwards (n_walls, 3, 3)."""
+        return np.array([placed.axes for placed in self.walls])
+
+    @cached_property
+    def origin(self):
+        """Origins of the walls in the house (n_walls, 3) [m]."""
+        return np.array([(*placed.origin, 0.0) for placed in self.walls])
+
+    @cached_property
+    def length(self):
+        """Lengths of the walls (n_walls,) [m]."""
+        return np.array([placed.wall.length for placed in self.walls])
+
+    @cached_property
+    def thickness(self):
+        """Thicknesses of the walls (n_walls,) [m]."""
+        return np.array([placed.wall.brick.thickness for placed in self.walls])
 
     def in_house(self, wall, places):
         """Places (n, k, 3) [m] in walls (n,) as places in the house (n, k, 3) [m]."""
@@ -46,12 +69,9 @@ class Placing(NamedTuple):
     def sign_of(self, face):
         """Sign of y of a face of FACES, of each wall (n_walls,): outside is away from the middle of
         the plan; of a wall through it, towards y."""
-        ends = (
-            self.origin[:, None]
-            + np.multiply.outer(self.length, [0.0, 1.0])[..., None] * self.axes[:, None, 0]
-        )
+        ends = np.array([placed.ends for placed in self.walls])
         middle = (ends.min(axis=(0, 1)) + ends.max(axis=(0, 1))) / 2
-        away = np.einsum("ni,ni->n", ends.mean(axis=1) - middle, self.axes[:, 1])
+        away = np.einsum("ni,ni->n", ends.mean(axis=1) - middle, self.axes[:, 1, :2])
         outside = np.where(away < -self.thickness / 2, -1, 1)
         return outside if face == "outside" else -outside
 
@@ -61,11 +81,4 @@ def placing_of(walls):
     placed = [
         Placed(Wall.from_dict(wall["wall"]), wall["origin"], wall["direction"]) for wall in walls
     ]
-    return Placing(
-        names=[wall.wall.name for wall in placed],
-        left=np.array([wall["left_m"] for wall in walls]),
-        origin=np.array([(*wall.origin, 0.0) for wall in placed]),
-        axes=np.array([wall.axes for wall in placed]),
-        length=np.array([wall.wall.length for wall in placed]),
-        thickness=np.array([wall.wall.brick.thickness for wall in placed]),
-    )
+    return Placing(placed, np.array([wall["left_m"] for wall in walls]))

@@ -5,52 +5,65 @@ shares of 1/6, 4/6 and 1/6 (Simpson's rule): the stiffness in bending is exact, 
 about its face; with two Gauss points it would fall at 0.58 of that.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
 from damage.elementary import total
 from damage.errors import InputError
 from damage.house.house import House
+from damage.house.placing import Placing
 from damage.wall.contact_points import Contacts
 from damage.wall.kinds import GROUND, SLAB_COURSE, TINY, rows
-from damage.wall.layout import Layout, Supports
+from damage.wall.layout import Bodies, Layout, Supports
+from damage.wall.tables import concatenated, taken
 
 THROUGH = np.array([-1.0, 0.0, 1.0])
 """Places of contact points through the thickness, over half of it [-]."""
 SHARES = np.array([1.0, 4.0, 1.0]) / 6
 """Shares of the area that these contact points have [-]."""
-OF_BODIES = "body_wall", "across_inertia", "offset", "depth"
-"""Fields of a HouseLayout with a row a body."""
-OF_CONTACTS = "joint_wall", "y", "place", "axes", "reach"
-"""Fields of a HouseLayout with a row a contact point."""
+
+
+@dataclass(frozen=True)
+class HouseBodies(Bodies):
+    """Bodies of a house, x along their unfolded walls; with wall: number of the wall of each,
+    across_inertia: about the axes along the wall and upwards (n_bodies, 2) [kg m2], offset: of the
+    centre from the wall's middle plane [m], depth: across the wall [m]."""
+
+    wall: np.ndarray
+    across_inertia: np.ndarray
+    offset: np.ndarray
+    depth: np.ndarray
+
+
+@dataclass(frozen=True)
+class HouseContacts(Contacts):
+    """Contact points of a house, x along their unfolded walls; with wall: number of the wall of
+    each, -1 between two, y: place from the middle plane of its (second) wall [m], place: in the
+    house (n_contacts, 3) [m], axes: normal, tangent of a wall's shear, and the other tangent
+    (n_contacts, 3, 3)."""
+
+    wall: np.ndarray
+    y: np.ndarray
+    place: np.ndarray
+    axes: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
 class HouseLayout(Layout):
-    """A house laid out: its walls unfolded side by side along x, and where their bodies and contact
-    points are in space, z upwards and the ground at z = 0.
+    """A house laid out: its walls unfolded side by side along x, HouseBodies and HouseContacts in
+    space, z upwards and the ground at z = 0.
 
     A body's coordinates are those in the plane of its wall, then its displacement across and its
     rotations about the axes along and upwards.
 
     house: House.
-    left: x of the left end of each unfolded wall (n_walls,) [m].
+    placing: Placing of its walls.
     wall_drift_bodies, drift_heights: of each wall, as drift_bodies and drift_height of its Layout.
     ground_left, ground_right: ends of each support along the heading, from the origin of the plan
         (n_supports,) [m].
-    body_wall: number of the wall of each body (n_bodies,).
-    across_inertia: of bodies about the axes along the wall and upwards (n_bodies, 2) [kg m2].
-    offset: of a body's centre from the wall's middle plane (n_bodies,) [m].
-    depth: of a body across the wall (n_bodies,) [m].
-    joint_wall: number of the wall of each contact point, -1 between two (n_contacts,).
-    y: place of a contact point from the middle plane of its (second) wall (n_contacts,) [m].
-    place: of a contact point in the house (n_contacts, 3) [m].
-    axes: normal of a contact point, tangent of a wall's shear, and the other tangent (n_contacts,
-        3, 3).
-    reach: from a contact point to the bodies' inside along the normal (n_contacts,) [m].
     """
 
     IN_SPACE: ClassVar = True
@@ -61,20 +74,13 @@ class HouseLayout(Layout):
     BASE_COLUMNS: ClassVar = ()
 
     house: House
-    left: np.ndarray
+    placing: Placing
     wall_drift_bodies: list
     drift_heights: np.ndarray
     ground_left: np.ndarray
     ground_right: np.ndarray
-    body_wall: np.ndarray
-    across_inertia: np.ndarray
-    offset: np.ndarray
-    depth: np.ndarray
-    joint_wall: np.ndarray
-    y: np.ndarray
-    place: np.ndarray
-    axes: np.ndarray
-    reach: np.ndarray
+    bodies: HouseBodies
+    contacts: HouseContacts
 
     @property
     def building(self):
@@ -82,18 +88,19 @@ class HouseLayout(Layout):
         return self.house
 
     @property
-    def placing(self):
+    def more_tables(self):
         """{group of a history: arrays} of where bodies and joints are in the house."""
         n = self.n_joints
-        joints = self.joint_wall[:n], self.y[:n]
-        return {"placing": (self.body_wall, *joints, self.offset, self.depth)}
+        bodies = self.bodies
+        joints = self.contacts.wall[:n], self.contacts.y[:n]
+        return {"placing": (bodies.wall, *joints, bodies.offset, bodies.depth)}
 
     @property
     def house_parameters(self):
         """{"house": parameters, for files}, with the places of its unfolded walls and their drift
         heights [m]."""
         parameters = self.house.as_dict()
-        for wall, left, height in zip(parameters["walls"], self.left, self.drift_heights):
+        for wall, left, height in zip(parameters["walls"], self.placing.left, self.drift_heights):
             wall |= {"left_m": float(left), "drift_height_m": float(height)}
         return {"house": parameters}
 
@@ -107,9 +114,10 @@ class HouseLayout(Layout):
     def _inner(self):
         # A joint of a wall has three points in a row, through the thickness; one between two walls
         # has three such rows.  A point in the middle is beside itself.
-        between = self.joint_wall < 0
-        numbers = np.arange(len(self.joint_wall))
-        row, place = np.divmod(numbers - np.where(between, self.joint_wall.argmin(), 0), 3)
+        wall = self.contacts.wall
+        between = wall < 0
+        numbers = np.arange(len(wall))
+        row, place = np.divmod(numbers - np.where(between, wall.argmin(), 0), 3)
         return np.column_stack(
             [numbers + 1 - place, numbers + np.where(between, 3 * (1 - row % 3), 0)]
         )
@@ -121,58 +129,60 @@ class HouseLayout(Layout):
     def box(self, body):
         """Centre (x, y, z) and size of a body, as unfolded (3,) [m]."""
         bodies = self.bodies
-        centre = float(bodies.x[body]), float(self.offset[body]), float(bodies.z[body])
-        size = bodies.length[body], self.depth[body], bodies.height[body]
+        centre = float(bodies.x[body]), float(bodies.offset[body]), float(bodies.z[body])
+        size = bodies.length[body], bodies.depth[body], bodies.height[body]
         return centre, np.array(size)
 
     @property
     def of_body(self):
         """Axes of each body's wall: along it, across and upwards, (n_bodies, 3, 3)."""
-        return np.array([placed.axes for placed in self.house.walls])[self.body_wall]
+        return self.placing.axes[self.bodies.wall]
 
     @property
     def centres(self):
         """Centres of the bodies in the house, (n_bodies, 3) [m]."""
-        return placed(self.house, self.left, self.body_wall, self.unfolded)
+        return self.placing.in_house(self.bodies.wall, self.unfolded[:, None])[:, 0]
 
     @property
     def unfolded(self):
         """Centres of the bodies in their unfolded walls (n_bodies, 3) [m]."""
-        return np.column_stack([self.bodies.x, self.offset, self.bodies.z])
+        return np.column_stack([self.bodies.x, self.bodies.offset, self.bodies.z])
 
     def arms(self, body):
         """From the centres of these bodies, one of each contact point, to that, in axes of their
         walls (n_contacts, 3) [m]."""
-        away = self.place - self.centres[body]
+        away = self.contacts.place - self.centres[body]
         return np.einsum("nij,nj->ni", self.of_body[body], away)
 
     @property
     def places(self):
         """Places as of Layout, in the walls as unfolded."""
+        contacts = self.contacts
+        normal = contacts.axes[:, 0]
         places = []
         normals = []
-        for body in (self.contacts.first, self.contacts.second):
+        for body in (contacts.first, contacts.second):
             body_index = np.maximum(body, 0)
             centre = self.unfolded[body_index]
             ground = (body < 0)[:, None]
-            places.append(np.where(ground, self.place, centre + self.arms(body_index)))
-            turned = np.einsum("nij,nj->ni", self.of_body[body_index], self.axes[:, 0])
-            normals.append(np.where(ground, self.axes[:, 0], turned))
-        return np.stack(places), np.stack(normals), self.reach
+            places.append(np.where(ground, contacts.place, centre + self.arms(body_index)))
+            turned = np.einsum("nij,nj->ni", self.of_body[body_index], normal)
+            normals.append(np.where(ground, normal, turned))
+        return np.stack(places), np.stack(normals), contacts.reach
 
     def of_contacts(self, values):
         """Value of each contact point (n_contacts,) of those of the walls, between two the
         lesser."""
         contacts = self.contacts
-        ends = values[self.body_wall[np.maximum([contacts.first, contacts.second], 0)]]
-        return np.where(self.joint_wall < 0, ends.min(axis=0), values[self.joint_wall])
+        ends = values[self.bodies.wall[np.maximum([contacts.first, contacts.second], 0)]]
+        return np.where(contacts.wall < 0, ends.min(axis=0), values[contacts.wall])
 
     @property
     def bases(self):
         """Bases as of Layout, one for each wall."""
         base = self.bodies.course == 0
         return [
-            (np.flatnonzero(base & (self.body_wall == number)), float(height))
+            (np.flatnonzero(base & (self.bodies.wall == number)), float(height))
             for number, height in enumerate(self.drift_heights)
         ]
 
@@ -187,8 +197,8 @@ class HouseLayout(Layout):
         """Displacement across each wall of the body where it is largest (n, n_walls) [m]; motion:
         out of plane (n, n_bodies, 3)."""
         result = []
-        for number in range(len(self.left)):
-            of_wall = motion[:, self.body_wall == number, 0]
+        for number in range(len(self.walls)):
+            of_wall = motion[:, self.bodies.wall == number, 0]
             result.append(of_wall[np.arange(len(of_wall)), np.abs(of_wall).argmax(axis=1)])
         return np.column_stack(result)
 
@@ -221,22 +231,22 @@ class HouseLayout(Layout):
         """Limits as of Layout; joints between two walls, and on a slab, have no end."""
         limits = super().slide_limits
         contacts = self.contacts
-        slab = self.depth > self.wall.brick.thickness + TINY
-        endless = self.joint_wall < 0
+        slab = self.bodies.depth > self.wall.brick.thickness + TINY
+        endless = contacts.wall < 0
         for end in (contacts.first, contacts.second):
             endless |= (end >= 0) & slab[end]
-        limits[:, endless] = np.array([[-np.inf], [np.inf]])
+        limits[:, endless] = [[-np.inf], [np.inf]]
         return limits
 
     @property
     def rigid_mass(self):
         """Mass and inertia as of Layout, then those out of the plane, (n_bodies, 6) [kg, kg m2]."""
-        return np.column_stack([super().rigid_mass, self.bodies.mass, self.across_inertia])
+        return np.column_stack([super().rigid_mass, self.bodies.mass, self.bodies.across_inertia])
 
     @property
     def elastic_arrays(self):
         """What stiffness depends on beside the bodies and the contact points' own numbers."""
-        return self.place, self.axes
+        return self.contacts.place, self.contacts.axes
 
     @property
     def directions(self):
@@ -254,7 +264,7 @@ class HouseLayout(Layout):
         ):
             moving = np.flatnonzero(body >= 0)
             bodies = body[moving]
-            d = np.einsum("nij,nj->ni", self.of_body[bodies], self.axes[moving, direction])
+            d = np.einsum("nij,nj->ni", self.of_body[bodies], contacts.axes[moving, direction])
             turned = np.cross(self.arms(np.maximum(body, 0))[moving], d)
             row[moving] = sign * np.column_stack(
                 [d[:, 0], d[:, 2], -turned[:, 1], d[:, 1], turned[:, 0], turned[:, 2]]
@@ -262,34 +272,12 @@ class HouseLayout(Layout):
         return result
 
 
-class Points(NamedTuple):
-    """Contact points between walls, as the fields of Contacts and of a HouseLayout."""
-
-    kind: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
-    place: np.ndarray
-    axes: np.ndarray
-    reach: np.ndarray
-    area: np.ndarray
-    normal_stiffness: np.ndarray
-    shear_stiffness: np.ndarray
-
-
-def placed(house, left, wall, local):
-    """Places in the house of (n, 3) [m] in unfolded walls of these numbers (n,)."""
-    origins = np.array([(*one.origin, 0.0) for one in house.walls])
-    axes = np.array([one.axes for one in house.walls])
-    local = local - np.outer(left[wall], [1.0, 0.0, 0.0])
-    return origins[wall] + np.einsum("ni,nij->nj", local, axes[wall])
-
-
 def boxes(layout, wall):
     """Lowest and highest corners of all bodies, of walls at right angles, in the axes of this wall,
     twice (n_bodies, 3) [m]."""
     bodies = layout.bodies
-    axes = layout.house.walls[wall].axes
-    size = np.column_stack([bodies.length, layout.depth, bodies.height])
+    axes = layout.placing.axes[wall]
+    size = np.column_stack([bodies.length, bodies.depth, bodies.height])
     half = np.abs(np.einsum("nij,ni,kj->nk", layout.of_body, size / 2, axes))
     centre = layout.centres @ axes.T
     return centre - half, centre + half
@@ -312,71 +300,40 @@ def without(layout, drop):
         n_joints=int(stay[: layout.n_joints].sum()),
         drift_bodies=np.concatenate(drift),
         wall_drift_bodies=drift,
-        **{name: getattr(layout, name)[kept] for name in OF_BODIES},
-        **{name: getattr(layout, name)[stay] for name in OF_CONTACTS},
     )
 
 
-def _remaining(layout, bodies, kept):
+def _remaining(layout, drift, kept):
     """Bodies of a wall's drift that are kept (n,), else all that are kept of their course."""
-    if kept[bodies].any():
-        return bodies[kept[bodies]]
-    alike = layout.bodies.course == layout.bodies.course[bodies[0]]
-    return np.flatnonzero(kept & alike & (layout.body_wall == layout.body_wall[bodies[0]]))
+    if kept[drift].any():
+        return drift[kept[drift]]
+    bodies = layout.bodies
+    alike = bodies.course == bodies.course[drift[0]]
+    return np.flatnonzero(kept & alike & (bodies.wall == bodies.wall[drift[0]]))
 
 
-def with_points(layout, n, points, wall, strength):
-    """The HouseLayout with these points between two walls, unfolded with this one, from row n on;
-    strength: tensile strength, cohesion and compressive strength [Pa]."""
-    end = np.zeros(len(points.first), int)
-    one = layout.house.walls[wall]
-    place = points.place
-    local = (place - [*one.origin, 0.0]) @ one.axes.T
-    added = Contacts(
-        points.kind + end,
-        points.first,
-        points.second,
-        local[:, 0] + layout.left[wall],
-        place[:, 2],
-        points.area / layout.wall.brick.thickness,
-        points.area,
-        points.normal_stiffness,
-        points.shear_stiffness,
-        end + strength[1] == np.inf,
-        *(end + value for value in strength),
-        end + GROUND,
-        end + GROUND,
-    )
-    more = {
-        "joint_wall": end - 1,
+def with_points(layout, n, wall, **columns):
+    """The HouseLayout with contact points between two walls, unfolded with this one, from row n on.
+
+    columns: arrays, or one number for all, of the fields of HouseContacts that do not follow from
+    `place` and `area`.
+    """
+    place = columns["place"]
+    local = layout.placing.in_wall(wall, place)
+    columns |= {
+        "x": local[:, 0],
         "y": local[:, 1],
-        "place": place,
-        "axes": points.axes,
-        "reach": points.reach,
+        "z": place[:, 2],
+        "length": columns["area"] / layout.wall.brick.thickness,
+        "elastic": columns["cohesion"] == np.inf,
+        "wall": -1,
     }
-    return replace(
-        layout,
-        contacts=_inserted(layout.contacts, n, added),
+    added = HouseContacts(
         **{
-            name: np.concatenate([getattr(layout, name)[:n], rows_, getattr(layout, name)[n:]])
-            for name, rows_ in more.items()
-        },
+            name: np.broadcast_to(values, (len(place), *np.shape(values)[1:]))
+            for name, values in columns.items()
+        }
     )
-
-
-def _inserted(table, n, added):
-    parts = taken(table, slice(n)), added, taken(table, slice(n, None))
-    return concatenated(parts)
-
-
-def taken(table, index):
-    return type(table)(*(getattr(table, attribute.name)[index] for attribute in fields(table)))
-
-
-def concatenated(tables):
-    return type(tables[0])(
-        *(
-            np.concatenate([getattr(table, attribute.name) for table in tables])
-            for attribute in fields(tables[0])
-        )
-    )
+    contacts = layout.contacts
+    parts = taken(contacts, slice(n)), added, taken(contacts, slice(n, None))
+    return replace(layout, contacts=concatenated(parts))

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 
 SIZE = 3
-"""Coordinates of a node, of which a body has as many as it needs."""
+"""Coordinates of a node, of which a body has one or more."""
 
 
 class Blocks(NamedTuple):
@@ -55,11 +55,9 @@ def sum_of_products(n_bodies, bodies, rows, weights):
     bodies: (2, n), two different ones, or one and a negative number; rows: (2, n, coordinates) of
     b; weights: w (n,).
     """
-    turned = bodies[0] < bodies[1]
-    (high, low), (of_high, of_low) = (
-        np.where(turned if part.ndim == 2 else turned[:, None], part[::-1], part)
-        for part in (bodies, rows)
-    )
+    order = np.argsort(bodies, axis=0)
+    low, high = np.take_along_axis(bodies, order, axis=0)
+    of_low, of_high = np.take_along_axis(rows, order[:, :, None], axis=0)
     both = np.flatnonzero(low >= 0)
     i = np.concatenate([high, low[both], high[both]])
     j = np.concatenate([high, low[both], low[both]])
@@ -86,13 +84,12 @@ def sum_of_products(n_bodies, bodies, rows, weights):
 class Factor(NamedTuple):
     """L D L' of Blocks, a body's coordinates in nodes of SIZE, in the order of elimination.
 
-    order: (n_bodies,); per_body: number of nodes of each; start: (nodes + 1,) first block of each
+    order: (n_bodies,); start: (nodes + 1,) first block of each
     column of L; below: (n,) node of each block's row; lower: (n, SIZE, SIZE) these blocks;
     diagonal, inverse: (nodes, SIZE, SIZE) of D and of its inverse.
     """
 
     order: np.ndarray
-    per_body: int
     start: np.ndarray
     below: np.ndarray
     lower: np.ndarray
@@ -101,10 +98,7 @@ class Factor(NamedTuple):
 
     def solve(self, right):
         """The solution (n_bodies, coordinates) for such a right side."""
-        size = right.shape[1]
-        x = np.zeros((len(right), SIZE * self.per_body))
-        x[:, :size] = right[self.order]
-        x = x.reshape(-1, SIZE)
+        x = right[self.order].reshape(-1, SIZE)
         spans = list(starmap(slice, pairwise(self.start.tolist())))
         for node, span in enumerate(spans):
             x[self.below[span]] -= _times(self.lower[span], x[node])
@@ -113,35 +107,27 @@ class Factor(NamedTuple):
         for node, span in zip(reversed(range(len(spans))), reversed(spans)):
             x[node] -= np.add.reduce(_times(lower[span], x[self.below[span]][:, None]), axis=0)
         solution = np.empty(right.shape)
-        solution[self.order] = x.reshape(len(right), -1)[:, :size]
+        solution[self.order] = x.reshape(right.shape)
         return solution
 
 
 def factorised(blocks):
     """The Factor of positive definite Blocks."""
-    size = blocks.values.shape[1]
-    places = np.empty(blocks.row[-1] + 1, int)
-    nodes = -(-size // SIZE)
+    nodes = blocks.values.shape[1] // SIZE
     coupled = np.any(blocks.values, axis=(1, 2))
     row = blocks.row[coupled]
     column = blocks.column[coupled]
     values = blocks.values[coupled]
-    order, columns = _elimination(list(zip(row.tolist(), column.tolist())), len(places))
-    places[order] = np.arange(len(order))
+    order, columns = _elimination(list(zip(row.tolist(), column.tolist())), row[-1] + 1)
+    places = np.argsort(order)
     start, below = _structure(places, columns, nodes)
     n = nodes * len(order)
-    padded = np.zeros((len(values), SIZE * nodes, SIZE * nodes))
-    padded[:, range(size, SIZE * nodes), range(size, SIZE * nodes)] = (
-        row[:, None] == column[:, None]
-    )
-    padded[:, :size, :size] = values
-    padded = np.where((places[row] < places[column])[:, None, None], padded.swapaxes(1, 2), padded)
-    parts = padded.reshape(-1, nodes, SIZE, nodes, SIZE).swapaxes(2, 3)
-    i, j = (
-        nodes * pick(places[row], places[column])[:, None, None] + index
-        for pick, index in ((np.maximum, np.arange(nodes)[:, None]), (np.minimum, np.arange(nodes)))
-    )
-    i, j = np.broadcast_arrays(i, j)
+    turned = (places[row] < places[column])[:, None, None]
+    values = np.where(turned, values.swapaxes(1, 2), values)
+    parts = values.reshape(-1, nodes, SIZE, nodes, SIZE).swapaxes(2, 3)
+    low, high = nodes * np.sort([places[row], places[column]], axis=0)[:, :, None, None]
+    node = np.arange(nodes)
+    i, j = np.broadcast_arrays(high + node[:, None], low + node)
     lower = np.zeros((len(below), SIZE, SIZE))
     diagonal = np.empty((n, SIZE, SIZE))
     diagonal[i[i == j]] = parts[i == j]
@@ -150,7 +136,6 @@ def factorised(blocks):
     inverse = _factorise(start, below, known, lower, diagonal)
     return Factor(
         order=np.array(order),
-        per_body=nodes,
         start=start,
         below=below,
         lower=lower,
@@ -186,14 +171,9 @@ def _structure(places, columns, nodes):
     nodes each."""
     below = []
     for place, column in enumerate(columns):
-        others = [
-            nodes * other + k
-            for other in sorted(places[list(column)].tolist())
-            for k in range(nodes)
-        ]
-        below += [
-            [*range(nodes * place + k + 1, nodes * (place + 1)), *others] for k in range(nodes)
-        ]
+        others = nodes * np.sort(places[list(column)])[:, None] + np.arange(nodes)
+        end = nodes * (place + 1)
+        below += [[*range(end - k, end), *others.flat] for k in reversed(range(nodes))]
     return np.cumsum([0, *map(len, below)]), np.array([row for rows in below for row in rows], int)
 
 
@@ -203,11 +183,9 @@ def _factorise(start, below, known, lower, diagonal):
     rising."""
     inverse = np.empty_like(diagonal)
     for i, (first, stop) in enumerate(pairwise(start.tolist())):
-        a, b, c = diagonal[i]
-        cofactors = np.array([_cross(b, c), _cross(c, a), _cross(a, b)])
-        inverse[i] = cofactors / (
-            a[0] * cofactors[0, 0] + a[1] * cofactors[0, 1] + a[2] * cofactors[0, 2]
-        )
+        block = diagonal[i]
+        cofactors = np.cross(block[[1, 2, 0]], block[[2, 0, 1]])
+        inverse[i] = cofactors / _times(block[:1], cofactors[0])
         column = lower[first:stop].reshape(-1, SIZE)
         rows = below[first:stop]
         over = _product(column, inverse[i])
@@ -220,10 +198,6 @@ def _factorise(start, below, known, lower, diagonal):
         diagonal[rows] -= change[each, :, each]
         lower[first:stop] = over.reshape(-1, SIZE, SIZE)
     return inverse
-
-
-def _cross(a, b):
-    return a[[1, 2, 0]] * b[[2, 0, 1]] - a[[2, 0, 1]] * b[[1, 2, 0]]
 
 
 def _product(left, right):

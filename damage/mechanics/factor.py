@@ -67,7 +67,7 @@ class ScaledMass:
         contacts = layout.contacts
         supports = len(layout.supports)
         scaled = np.isin(factor.order, [contacts.first[self.points], contacts.second[self.points]])
-        nodes = factor.per_body
+        nodes = size // RIGID
         bodies = len(factor.order)
         order = [*factor.order, *range(bodies, bodies + supports)]
         first = np.arange(0, size, RIGID)  # coordinate of each node of a body

@@ -21,11 +21,14 @@ import numpy as np
 
 from damage.draws import Draws
 from damage.elementary import exp, log
+from damage.errors import InputError
+from damage.wall import lintels, split
+from damage.wall.cells import cells_of, segments_of
 from damage.wall.kinds import BED, CAP, CUT, GROUND, HEAD, SIDE_COURSE, TINY, contact_stiffness
-from damage.wall.lintels import cut_places, cut_stiffness, in_lintel
 from damage.wall.restraints import top_of
-from damage.wall.split import can_split, middle_of
 
+MOST_CONTACTS = 100_000
+"""Contact points of a wall: a sample holds nine bytes of each."""
 POINT_POSITIONS = {
     "interior": (0.0,),
     "corners": (-1.0, 1.0),
@@ -45,8 +48,8 @@ class Contacts:
     kind: BED, HEAD, CUT or CAP; first, second: bodies, the normal points from first to second;
     x, z [m]; length [m] tributary; area [m2]; normal_stiffness, shear_stiffness [Pa/m] with the
     compliance of rigid bricks; tensile_strength, cohesion [Pa], infinite where elastic: never
-    breaks; compressive_strength [Pa], infinite where it does not crush;
-    first_cell, second_cell: the facing cells (GROUND below the base).
+    breaks; compressive_strength [Pa], infinite where it does not crush; reach [m]: from the contact
+    point to the inside of both bodies along the normal.
     """
 
     kind: np.ndarray
@@ -62,8 +65,7 @@ class Contacts:
     tensile_strength: np.ndarray
     cohesion: np.ndarray
     compressive_strength: np.ndarray
-    first_cell: np.ndarray
-    second_cell: np.ndarray
+    reach: np.ndarray
 
     def __len__(self):
         return len(self.x)
@@ -81,11 +83,10 @@ class Contacts:
 
 
 class _Point(NamedTuple):
-    """A contact point, or arrays of them: fields of Contacts."""
+    """A contact point, or arrays of them: its kind, the facing cells, GROUND below the base, x, z
+    and tributary length [m]."""
 
     kind: int
-    first: int
-    second: int
     first_cell: int
     second_cell: int
     x: float
@@ -93,83 +94,112 @@ class _Point(NamedTuple):
     length: float
 
 
-def segments_of(options):
-    """Segments of a joint of half a brick."""
-    return {
-        "interior": options.cells,
-        "corners": max(1, options.cells - 1),
-        "gauss": options.cells // 2,
-    }[options.contacts]
-
-
-def make_contacts(plan, options, bodies, cells, breaks):
-    """All contact points of a damage.wall.plan.Plan: joints first, then the caps' glue."""
+def make_contacts(plan, options, bodies, halves):
+    """All contact points of a damage.wall.plan.Plan: joints first, then the caps' glue; bodies:
+    with whole bricks; halves: damage.wall.split.Halves of these."""
     wall = plan.wall
-    pairs = _bed_pairs(plan, bodies, cells, breaks) + _head_pairs(bodies, plan.n_bricks, cells)
-    joints = [
-        tuple(_part_of(wall.brick, bodies, cells, cell) for cell in pair[1:]) for pair in pairs
-    ]
-    shared = Counter(joints)
-    rows = [
-        row
-        for pair, joint in zip(pairs, joints)
-        if pair[0] != CAP
-        for row in _contact_rows(options, bodies, cells, *pair, alone=shared[joint] == 1)
-    ]
-    beside, cuts = _lintel_rows(plan, options, bodies, cells)
-    rows += beside + [row for _, row in cuts]
-    rows += [
-        row
-        for pair in pairs
-        if pair[0] == CAP
-        for row in _contact_rows(options, bodies, cells, *pair)
-    ]
-    points = _Point(*(np.array(column) for column in zip(*rows)))
+    brick = wall.brick
+    joint = wall.joint
+    cells = cells_of(plan, options, bodies)
+    _check_count(wall, options, len(cells.body) + plan.n_bricks, halves.n_bricks - plan.n_bricks)
+    part = np.append(halves.of_cells(bodies, cells), GROUND)  # of a cell, the last the ground
+    points, lintel_cuts = _points(plan, options, bodies, cells, part)
     kind = points.kind
-    normal, shear = contact_stiffness(
-        wall, options, bodies, kind=kind, first=points.first, second=points.second
-    )
-    for index, (place, row) in zip(np.flatnonzero(kind == CUT), cuts):
-        normal[index], shear[index] = cut_stiffness(wall.brick, place, row.x)
+    second = part[points.second_cell]
+    # bricks of the base are the first bodies
+    support = GROUND - cells.body[points.second_cell] if options.supports == "bricks" else GROUND
+    first = np.where(points.first_cell == GROUND, support, part[points.first_cell])
+    normal, shear = contact_stiffness(wall, options, halves.bodies, kind, first, second)
+    for index, (place, row) in zip(np.flatnonzero(kind == CUT), lintel_cuts):
+        normal[index], shear[index] = lintels.cut_stiffness(brick, place, row.x)
     head = kind == HEAD
     middle_x = np.where(head, points.x, (cells.left + cells.right)[points.second_cell] / 2)
     # points at a joint's ends lie at the boundaries of its courses
-    middle_z = np.where(head, bodies.z[points.second], points.z)
-    elastic = (kind == CAP) | (kind == CUT) | in_lintel(plan, options.lintel, middle_x, middle_z)
-    joint = wall.joint
+    middle_z = np.where(head, halves.bodies.z[second], points.z)
+    splits = (kind == CUT) & (first < halves.n_bricks)
+    elastic = (kind == CAP) | ((kind == CUT) & ~splits)
+    elastic |= ~splits & lintels.in_lintel(plan, options.lintel, middle_x, middle_z)
+    of_cuts = split.cut_strengths(brick)
+    strengths = {
+        name: np.select([elastic, splits], [np.inf, of_cut], of_joint)
+        for name, of_cut, of_joint in (
+            ("tensile_strength", of_cuts[0], joint.tensile_strength),
+            ("cohesion", of_cuts[1], joint.cohesion),
+            ("compressive_strength", np.inf, joint.compressive_strength or np.inf),
+        )
+    }
+    width = cells.right - cells.left
+    narrow = np.minimum(width[points.first_cell], width[points.second_cell])
     return Contacts(
-        **points._asdict(),
-        area=points.length * wall.brick.thickness,
+        kind=kind,
+        first=first,
+        second=second,
+        x=points.x,
+        z=points.z,
+        length=points.length,
+        area=points.length * brick.thickness,
         normal_stiffness=normal,
         shear_stiffness=shear,
         elastic=elastic,
-        tensile_strength=np.where(elastic, np.inf, joint.tensile_strength),
-        cohesion=np.where(elastic, np.inf, joint.cohesion),
-        compressive_strength=np.where(elastic, np.inf, joint.compressive_strength or np.inf),
+        **strengths,
+        reach=np.where(head | (kind == CUT), narrow, brick.height) / 2,
     )
 
 
-def scattered(wall, contacts, *scatters):
+def _check_count(wall, options, pairs, cuts):
+    """Refuse more contact points than can be computed, by the numbers of facing cells and cuts."""
+    number = pairs * len(POINT_POSITIONS[options.contacts]) + split.CUT_POINTS * cuts
+    if number > MOST_CONTACTS:
+        raise InputError(
+            f"wall {wall.name} with {options.cells} cells per half brick has about {number} contact"
+            f" points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall"
+        )
+
+
+def _points(plan, options, bodies, cells, part):
+    """Contact points of all joints, lintels, cuts and caps, a _Point of arrays, and the
+    (LintelPlace, _Point) of those on the cuts through lintels' beams; part: body of each cell."""
+    pairs = _bed_pairs(plan, bodies, cells) + _head_pairs(bodies, plan.n_bricks, cells)
+    shared = Counter((part[first], part[second]) for _, first, second in pairs)
+    joints = []
+    glue = []
+    for kind, first, second in pairs:
+        alone = shared[part[first], part[second]] == 1
+        rows = glue if kind == CAP else joints
+        rows += _contact_rows(options, bodies, cells, kind, first, second, alone)
+    beside, lintel_cuts = _lintel_rows(plan, options, bodies, cells)
+    cuts = [row for _, row in lintel_cuts] + _cut_rows(plan.wall.brick, bodies, cells, part)
+    rows = joints + beside + cuts + glue
+    return _Point(*map(np.array, zip(*rows))), lintel_cuts
+
+
+def _cut_rows(brick, bodies, cells, part):
+    """Contact points of the cuts between the halves of bricks."""
+    middle = split.middle_of(bodies)
+    rows = []
+    for cell in np.flatnonzero((np.diff(part[:-1]) != 0) & (np.diff(cells.body) == 0)):
+        body = cells.body[cell]
+        heights, length = split.cut_places(brick, bodies.z[body])
+        rows += [_Point(CUT, cell, cell + 1, middle[body], z, length) for z in heights]
+    return rows
+
+
+def scattered(contacts, *scatters):
     """Contacts whose strengths have a factor for each joint by every one of these (coefficient of
-    variation, seed)."""
+    variation, seed); those of bricks' cuts have none."""
     factors = np.ones(len(contacts))
-    for scatter in scatters:
-        factors = factors * _strength_factors(contacts.first, contacts.second, *scatter)
+    for variation, seed in scatters:
+        factors = factors * _strength_factors(contacts, variation, seed)
     return replace(
         contacts,
-        **{
-            name: np.where(contacts.elastic, np.inf, getattr(wall.joint, name) * factors)
-            for name in ("tensile_strength", "cohesion")
-        },
+        tensile_strength=contacts.tensile_strength * factors,
+        cohesion=contacts.cohesion * factors,
     )
 
 
-def _bed_pairs(plan, bodies, cells, breaks):
-    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap.
-
-    Facing cells lie between the same two breaks.
-    """
-    column = np.searchsorted(breaks, (cells.left + cells.right) / 2)
+def _bed_pairs(plan, bodies, cells):
+    """(kind, cell below or GROUND, cell above) of every bed joint, base joint and cap."""
+    column = cells.column
     below = {}
     pairs = []
     n_below_caps = plan.taken.shape[1]
@@ -193,47 +223,36 @@ def _lintel_rows(plan, options, bodies, cells):
     """Rows of the contact points beside lintels, at the ends of a beam and around every brick of an
     arch, and beside party walls, and (LintelPlace, row) of those on the cuts through beams."""
     number = plan.n_bricks + len(plan.slabs)
-    left_cell, right_cell = (
-        {body: cell for cell, body in order}
-        for order in (reversed(list(enumerate(cells.body))), enumerate(cells.body))
-    )
     of_part = {
         number + k: place
         for k, place in enumerate(place for place in plan.lintels for _ in range(place.parts))
     }
     sides = np.flatnonzero(bodies.course == SIDE_COURSE).tolist()
     ends = (bodies.x - bodies.length / 2, bodies.x + bodies.length / 2)
-    half = bodies.height / 2
+    low = bodies.z - bodies.height / 2
+    high = bodies.z + bodies.height / 2
     beside = []
     cuts = []
-    least = 2 // len(POINT_POSITIONS[options.contacts])
-    for part, other in _touching([*of_part, *sides], ends, bodies.z - half, bodies.z + half):
-        pair = part, other, right_cell[part], left_cell[other]
+    positions = POINT_POSITIONS[options.contacts]
+    for part, other in _touching([*of_part, *sides], ends, low, high):
+        right_cell = np.searchsorted(cells.body, part, "right") - 1
+        pair = right_cell, np.searchsorted(cells.body, other)
         x = ends[1][part]
-        bottom, top = (
-            pick(bodies.z[[part, other]] + sign * half[[part, other]])
-            for pick, sign in ((max, -1), (min, 1))
-        )
         place = of_part.get(part)
-        if place is not None and place is of_part.get(other) and place.lintel.kind != "arch":
-            up, length = cut_places(place)
-            cuts += [
-                (place, _Point(CUT, *pair, x=x, z=bodies.z[part] + by, length=length)) for by in up
-            ]
+        other_place = of_part.get(other)
+        if place is not None and place is other_place and place.lintel.kind != "arch":
+            up, length = lintels.cut_places(place)
+            cuts += [(place, _Point(CUT, *pair, x, bodies.z[part] + by, length)) for by in up]
             continue
-        both_lintels = place is not None and of_part.get(other)
-        segments = round(segments_of(options) * (top - bottom) / (plan.wall.brick.length / 2))
-        parts = max(least, segments) if both_lintels else 1
-        size = (top - bottom) / parts
-        positions = POINT_POSITIONS[options.contacts]
+        bottom = max(low[part], low[other])
+        height = min(high[part], high[other]) - bottom
+        parts = 1
+        if place is not None and other_place is not None:
+            segments = round(segments_of(options) * height / (plan.wall.brick.length / 2))
+            parts = max(2 // len(positions), segments)
+        size = height / parts
         beside += [
-            _Point(
-                HEAD,
-                *pair,
-                x=x,
-                z=bottom + size * (k + (1 + up) / 2),
-                length=size / len(positions),
-            )
+            _Point(HEAD, *pair, x, bottom + size * (k + (1 + up) / 2), size / len(positions))
             for k in range(parts)
             for up in positions
         ]
@@ -271,26 +290,11 @@ def _head_pairs(bodies, n_bricks, cells):
     return [(HEAD, index, index + 1) for index in np.flatnonzero(met)]
 
 
-def _part_of(brick, bodies, cells, cell):
-    """The body of a cell, or GROUND, and whether the cell is of the right half of a brick that can
-    split."""
-    if cell == GROUND:
-        return GROUND, False
-    body = cells.body[cell]
-    middle = (cells.left[cell] + cells.right[cell]) / 2
-    x = bodies.x[body]
-    length = bodies.length[body]
-    return body, bool(can_split(brick, length) and middle > middle_of(x, length))
-
-
-def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alone=False):
+def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, alone):
     """Contact points of one pair of facing cells, as `POINT_POSITIONS` says, but two where it is
     alone in its bed joint; of a cap's glue Gauss points, or else one in the middle of each cell, or
     two under a cap of a single cell."""
     second = cells.body[second_cell]
-    first = cells.body[first_cell]
-    if first_cell == GROUND:  # bricks of the base are the first bodies
-        first = GROUND - second if options.supports == "bricks" else GROUND
     bottom = bodies.z[second] - bodies.height[second] / 2
     start = np.array([cells.left[second_cell], bottom])
     along = (
@@ -307,21 +311,23 @@ def _contact_rows(options, bodies, cells, kind, first_cell, second_cell, *, alon
         where = "corners" if hinge else "interior"
     places = _HALVES if alone and kind == BED and where == "interior" else POINT_POSITIONS[where]
     points = [(1 - place) / 2 * start + (1 + place) / 2 * end for place in places]
-    return [
-        _Point(kind, first, second, first_cell, second_cell, x=x, z=z, length=length / len(places))
-        for x, z in points
-    ]
+    return [_Point(kind, first_cell, second_cell, x, z, length / len(places)) for x, z in points]
 
 
-def _strength_factors(first, second, variation, seed):
+def _strength_factors(contacts, variation, seed):
     """Lognormal factors of mean 1 on the strengths, one for each joint between two bodies, the same
-    for every placing of its contact points: (n_contacts,).  variation: their coefficient of
-    variation [-]."""
+    for every placing of its contact points and for both halves of a brick: (n_contacts,).
+    variation: their coefficient of variation [-]."""
+    factors = np.ones(len(contacts))
     if variation == 0:
-        return np.ones(len(first))
-    joints, number = np.unique(
-        np.column_stack([np.maximum(first, GROUND), second]), axis=0, return_inverse=True
-    )
+        return factors
+    is_joint = contacts.elastic | (contacts.kind != CUT)
+    ends = np.maximum([contacts.first, contacts.second], GROUND)
+    brick = np.append(np.arange(ends.max() + 1), GROUND)
+    brick[contacts.second[~is_joint]] = contacts.first[~is_joint]
+    joints, number = np.unique(brick[ends[:, is_joint].T], axis=0, return_inverse=True)
     spread = np.sqrt(log(1.0 + variation * variation))
     normal = Draws(seed).normal(len(joints))
-    return exp(spread * normal - spread * spread / 2)[number.ravel()]  # a column in numpy 2.0
+    # a column in numpy 2.0
+    factors[is_joint] = exp(spread * normal - spread * spread / 2)[number.ravel()]
+    return factors

@@ -44,18 +44,7 @@ def rows(body, n_bodies):
 
 def contact_stiffness(wall, options, bodies, kind, first, second):
     """Normal and shear stiffness of contact points [Pa/m], two arrays (n_contacts,): of the joint
-    alone between bricks that deform by themselves, else with the bricks' compliance; arguments as
-    of `lumped_stiffness`, options: damage.wall.model_options.ModelOptions."""
-    if not options.has_modes:
-        return lumped_stiffness(wall, bodies, kind, first, second)
-    return np.full(len(kind), wall.joint.normal_stiffness), np.full(
-        len(kind), wall.joint.shear_stiffness
-    )
-
-
-def lumped_stiffness(wall, bodies, kind, first, second):
-    """Normal and shear stiffness of contact points between rigid bricks [Pa/m], two arrays
-    (n_contacts,).
+    alone between bricks that deform by themselves, else with the compliance of rigid bricks.
 
     A joint is in series with the bricks on both sides: 1/k = 1/k_joint + d/E, with G in shear; d is
     the distance of the brick centres across the joint, half a brick at the base and at restraints.
@@ -66,11 +55,15 @@ def lumped_stiffness(wall, bodies, kind, first, second):
     Under a uniform shear stress bricks in a bond slide along horizontal boundaries above all, which
     get the compliance of the brick, 1/G.
 
-    wall: damage.wall.parameters.Wall; bodies: damage.wall.layout.Bodies; kind, first, second: of
-    the contact points, as in damage.wall.contact_points.Contacts.
+    wall: damage.wall.parameters.Wall; options: damage.wall.model_options.ModelOptions; bodies:
+    damage.wall.layout.Bodies; kind, first, second: of the contact points, as in
+    damage.wall.contact_points.Contacts.
     """
     brick = wall.brick
     joint = wall.joint
+    if options.has_modes:
+        stiffnesses = joint.normal_stiffness, joint.shear_stiffness
+        return tuple(np.full(len(kind), stiffness) for stiffness in stiffnesses)
     upright = (kind == HEAD) | (kind == CUT)
     distance = np.full(len(kind), brick.height)
     distance[(first < 0) | ((kind == BED) & (bodies.course[second] == CAP_COURSE))] = (

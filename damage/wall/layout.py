@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
@@ -24,13 +23,7 @@ from damage.elementary import total
 from damage.errors import InputError
 from damage.rounded import to_bits
 from damage.units import GRAVITY
-from damage.wall.contact_points import (
-    POINT_POSITIONS,
-    Contacts,
-    make_contacts,
-    scattered,
-    segments_of,
-)
+from damage.wall.contact_points import Contacts, make_contacts, scattered
 from damage.wall.floors import with_timber_floors
 from damage.wall.kinds import (
     ARCH_COURSE,
@@ -50,11 +43,9 @@ from damage.wall.parameters import Wall
 from damage.wall.plan import Plan, plan_of
 from damage.wall.restraints import THICK_M, top_of
 from damage.wall.soil import on_soil
-from damage.wall.split import CUT_POINTS, cut_bricks
+from damage.wall.split import halves_of
 from damage.wall.strain import Strain, strain_of
-
-MOST_CONTACTS = 100_000
-"""Contact points of a wall: a sample holds nine bytes of each."""
+from damage.wall.tables import concatenated, inertia_of
 
 
 @dataclass(frozen=True)
@@ -76,16 +67,6 @@ class Bodies:
 
     def __len__(self):
         return len(self.x)
-
-
-@dataclass(frozen=True)
-class Cells:
-    """Rectangular parts of the bodies; arrays of shape (n_cells,): body, x [m] left and right
-    edge."""
-
-    body: np.ndarray
-    left: np.ndarray
-    right: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -158,7 +139,6 @@ class Layout:
     plan: Plan
     options: ModelOptions
     bodies: Bodies
-    cells: Cells
     contacts: Contacts
     n_bricks: int
     n_joints: int
@@ -206,7 +186,7 @@ class Layout:
         return self.building.each_wall
 
     @property
-    def placing(self) -> dict:
+    def more_tables(self) -> dict:
         """{group of a history: arrays} of where walls and contact points are in a house."""
         return {}
 
@@ -241,15 +221,11 @@ class Layout:
         n_contacts, 3), x along it, y through its thickness and z upwards [m]; and the distance
         (n_contacts,) [m] from there to the inside of both bodies."""
         contacts = self.contacts
-        cells = self.cells
         nothing = np.zeros(len(contacts))
         upright = contacts.upright
         place = np.column_stack([contacts.x, nothing, contacts.z])
         normal = np.column_stack([upright, nothing, ~upright]).astype(float)
-        width = cells.right - cells.left
-        narrow = np.minimum(width[contacts.first_cell], width[contacts.second_cell])
-        reach = np.where(upright, narrow, self.wall.brick.height) / 2
-        return np.stack([place] * 2), np.stack([normal] * 2), reach
+        return np.stack([place] * 2), np.stack([normal] * 2), contacts.reach
 
     @property
     def slide_limits(self) -> np.ndarray:
@@ -270,21 +246,18 @@ class Layout:
 
     @property
     def directions(self) -> list[np.ndarray]:
-        """`kinematic_rows` across and along all contact points, a list."""
-        normals = contact_normals(self.contacts)
-        return [self.kinematic_rows(normals), self.kinematic_rows(normals[:, ::-1])]
-
-    def kinematic_rows(self, directions: np.ndarray) -> np.ndarray:
         """What a unit of each coordinate of the first and the second body of each contact adds to
-        the relative displacement of second to first along `directions` (n_contacts, 2), (2,
-        n_contacts, coordinates); zero on the ground.  Directions are the normals or the tangents
-        where bricks deform."""
+        the relative displacement of second to first across and along the joint, a list of two (2,
+        n_contacts, coordinates); zero on the ground."""
+        upright = self.contacts.upright
+        return [self._rows(0, upright), self._rows(1, ~upright)]
+
+    def _rows(self, direction, along_x):
         contacts = self.contacts
         bodies = self.bodies
         strain = self.strain
         coordinates = 3 + (strain.n_modes if strain else 0)
         result = np.zeros((2, len(contacts), coordinates))
-        across = np.any(directions * contact_normals(contacts), axis=1)
         for rows, body, shape, sign in (
             (result[0], contacts.first, strain and strain.first, -1.0),
             (result[1], contacts.second, strain and strain.second, 1.0),
@@ -293,12 +266,10 @@ class Layout:
             index = body[moving]
             rx = contacts.x[moving] - bodies.x[index]
             rz = contacts.z[moving] - bodies.z[index]
-            dx, dz = directions[moving].T
-            by_modes = ()
-            if strain is not None:
-                shapes = strain.shapes[shape[moving]]
-                by_modes = np.where(across[moving, None], shapes[:, 0], shapes[:, 1]).T
-            rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *by_modes])
+            dx = along_x[moving].astype(float)
+            dz = 1 - dx
+            modes = () if strain is None else strain.shapes[shape[moving], direction].T
+            rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *modes])
         return result
 
     @property
@@ -440,16 +411,12 @@ def lay_out(
         wall=wall,
         options=options,
         contacts=scattered(
-            wall,
             layout.contacts,
             (options.strength_cov, options.strength_seed),
             (scatter, (seed, 1)),
         ),
     )
-    layout = on_soil(layout)
-    if layout.strain is None and wall.brick.splits:
-        layout = cut_bricks(layout)
-    return _rounded(layout)
+    return _rounded(on_soil(layout))
 
 
 def _rounded(layout):
@@ -474,37 +441,27 @@ def _rounded(layout):
 
 @lru_cache(maxsize=4)
 def _lay_out_alike(wall, options):
-    """The Layout of whole bricks whose joints are all as strong as the wall says: what members of
-    an ensemble share."""
+    """The Layout whose joints are all as strong as the wall says: what members of an ensemble
+    share."""
     plan = plan_of(wall, options)
     bodies = _make_bodies(plan, options)
-    n_bricks = plan.n_bricks
-    breaks = _cell_breaks(plan, options)
-    cells = _make_cells(bodies, breaks)
-    points = (len(cells.body) + n_bricks) * len(POINT_POSITIONS[options.contacts])
-    if wall.brick.splits and not options.has_modes:
-        points += CUT_POINTS * n_bricks
-    if points > MOST_CONTACTS:
-        raise InputError(
-            f"wall {wall.name} with {options.cells} cells per half brick has about {points} contact"
-            f" points: expected up to {MOST_CONTACTS}; give fewer --cells, or a smaller wall"
-        )
-    contacts = make_contacts(plan, options, bodies, cells, breaks)
     drift_bodies = _find_drift_bodies(plan, bodies)
+    splits = wall.brick.splits and not options.has_modes
+    halves = halves_of(wall.brick, bodies, plan.n_bricks, splits)
+    contacts = make_contacts(plan, options, bodies, halves)
     return Layout(
         wall=wall,
         plan=plan,
         options=options,
-        bodies=bodies,
-        cells=cells,
+        bodies=halves.bodies,
         contacts=contacts,
-        n_bricks=n_bricks,
+        n_bricks=halves.n_bricks,
         n_joints=int(np.sum(contacts.kind != CAP)),
-        drift_bodies=drift_bodies,
+        drift_bodies=halves.of(drift_bodies),
         drift_height=float(bodies.z[drift_bodies].mean()),
         supports=_supports_below(bodies, wall.length, options.supports),
         strain=(
-            strain_of(wall.brick, options, bodies, contacts, n_bricks)
+            strain_of(wall.brick, options, bodies, contacts, plan.n_bricks)
             if options.has_modes
             else None
         ),
@@ -547,13 +504,12 @@ def _make_bodies(plan, options):
     ]
     bodies = with_timber_floors(
         plan,
-        Bodies(
+        _blocks(
             x=plan.ends.mean(axis=0),
             z=(first + last + 1) / 2 * brick.height,
             length=length,
             height=height,
             mass=mass,
-            inertia=_inertia(mass, length, height),
             course=course,
         ),
     )
@@ -583,8 +539,7 @@ def _with_restraints(plan, options, bodies, top_mass):
                 f" {top_mass:.4g} kg that the precompression weighs; give less, or more"
                 " precompression"
             )
-        bodies = _joined(
-            bodies,
+        beam = _blocks(
             x=wall.length / 2,
             z=wall.built_height + THICK_M / 2,
             length=wall.length,
@@ -592,18 +547,17 @@ def _with_restraints(plan, options, bodies, top_mass):
             mass=mass,
             course=CAP_COURSE,
         )
-    for side in (restraint.side for restraint in wall.restraints if restraint.side != "top"):
-        x = -THICK_M / 2 if side == "left" else wall.length + THICK_M / 2
-        bodies = _joined(
-            bodies,
-            x=x,
-            z=wall.built_height / 2,
-            length=THICK_M,
-            height=wall.built_height,
-            mass=0.0,
-            course=SIDE_COURSE,
-        )
-    return bodies
+        bodies = concatenated([bodies, beam])
+    sides = [restraint.side for restraint in wall.restraints if restraint.side != "top"]
+    party_walls = _blocks(
+        x=[-THICK_M / 2 if side == "left" else wall.length + THICK_M / 2 for side in sides],
+        z=wall.built_height / 2,
+        length=THICK_M,
+        height=wall.built_height,
+        mass=0.0,
+        course=SIDE_COURSE,
+    )
+    return concatenated([bodies, party_walls])
 
 
 def _with_spread_mass(plan, bodies, top_mass):
@@ -621,8 +575,7 @@ def _with_caps(plan, options, bodies, top_mass):
     """Bodies, and behind them one rigid cap a pier, or one over all, mass shared by length."""
     spans = np.array(plan.piers if options.top == "piers" else ((0.0, plan.wall.length),))
     width = spans[:, 1] - spans[:, 0]
-    return _joined(
-        bodies,
+    caps = _blocks(
         x=spans.mean(axis=1),
         z=plan.wall.built_height + CAP_HEIGHT / 2,
         length=width,
@@ -630,18 +583,14 @@ def _with_caps(plan, options, bodies, top_mass):
         mass=top_mass * width / width.sum(),
         course=CAP_COURSE,
     )
+    return concatenated([bodies, caps])
 
 
-def _inertia(mass, length, height):
-    """Moment of inertia of blocks about their centres [kg m2]."""
-    return mass * (length * length + height * height) / 12
-
-
-def _joined(bodies, *, x, z, length, height, mass, course):
-    """Bodies, and behind them blocks."""
-    inertia = _inertia(mass, length, height)
-    added = np.broadcast_arrays(*map(np.atleast_1d, (x, z, length, height, mass, inertia, course)))
-    return Bodies(*map(np.append, vars(bodies).values(), added))
+def _blocks(*, x, z, length, height, mass, course):
+    """Bodies that are blocks, by numbers or arrays (n,)."""
+    inertia = inertia_of(mass, length, height)
+    columns = np.broadcast_arrays(x, z, length, height, mass, inertia, course)
+    return Bodies(*map(np.atleast_1d, columns))
 
 
 def _find_drift_bodies(plan, bodies):
@@ -664,47 +613,3 @@ def _supports_below(bodies, length, kind):
     base = bodies.course == 0
     half = bodies.length[base] / 2
     return Supports(bodies.x[base] - half, bodies.x[base] + half)
-
-
-# --- cells --------------------------------------------------------------------------------------
-
-
-def _cell_breaks(plan, options):
-    """Sorted positions x [m] at which every brick that spans them is divided.
-
-    Corner contacts lie at both ends of a segment, so one segment less gives as many points; of
-    Gauss points there are two in each, so that half as many do.
-    """
-    segments = segments_of(options)
-    wall = plan.wall
-    of_bricks = [x for course in plan.bricks for brick in course for x in brick]
-    edges = np.unique(
-        np.round([*of_bricks, *(x for place in plan.lintels for x in place.edges)], 9)
-    )
-    breaks = [edges[0]]
-    for left, right in pairwise(edges):
-        width = right - left
-        if width < 1e-3:
-            raise InputError(
-                f"wall {wall.name}: head joints or openings' edges at x = {left:.6f} and"
-                f" {right:.6f} m leave a cell of {width * 1e3:.3g} mm, at least 1 mm is needed;"
-                " move an opening's edge"
-            )
-        parts = max(1, round(segments * width / (wall.brick.length / 2)))
-        breaks.extend(left + width * np.arange(1, parts + 1) / parts)
-    return np.array(breaks)
-
-
-def _make_cells(bodies, breaks):
-    """Divide every body at the breaks inside it."""
-    ends = zip(bodies.x - bodies.length / 2, bodies.x + bodies.length / 2)
-    edges = [
-        [start, *breaks[(breaks > start + TINY) & (breaks < end - TINY)], end]
-        for start, end in ends
-    ]
-    cells = [
-        (body, left, right)
-        for body, of_body in enumerate(edges)
-        for left, right in pairwise(of_body)
-    ]
-    return Cells(*map(np.array, zip(*cells)))

@@ -6,11 +6,13 @@ bear under bending, diagonal tension and after they fail is derived in docs/mode
 (`damage.wall.kinds`).
 """
 
-from dataclasses import fields, replace
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from damage.wall.kinds import BED, CAP, CUT, GROUND, TINY, lumped_stiffness
+from damage.wall.kinds import BED, CAP, CUT, TINY
+from damage.wall.tables import inertia_of, taken
 
 CUT_POINTS = 4
 """Contact points of a cut that splits: bending stiffness 15/16 of the section's, 4/5 of its
@@ -21,8 +23,8 @@ PEAK = 1.15
 
 def cut_strengths(brick):
     """Tensile strength and cohesion [Pa] of the contact points of a Brick's cut without vertical
-    stress."""
-    strength = brick.tensile_strength
+    stress, zero of a brick that does not split."""
+    strength = brick.tensile_strength or 0.0
     return strength * CUT_POINTS / (CUT_POINTS + 1), strength / PEAK
 
 
@@ -53,130 +55,60 @@ def beside_cuts(contacts):
     return splits, neighbours
 
 
-def can_split(brick, length):
-    """Return whether bricks of these lengths [m], cut from a damage.Brick or whole, can split."""
-    return brick.splits & (np.abs(length - brick.length) < TINY)
+class Halves(NamedTuple):
+    """left, right: numbers of the halves of each body (n_bodies,), both its own number where it is
+    whole; bodies: Bodies that are the halves and the bodies that stay whole; n_bricks: of
+    these are bricks or halves.
+
+    A left half keeps its brick's number; right halves come behind the other bricks."""
+
+    left: np.ndarray
+    right: np.ndarray
+    bodies: Any
+    n_bricks: int
+
+    def of(self, whole):
+        """Numbers of what some bodies, by rising numbers, are now, left halves first."""
+        left = self.left[whole]
+        right = self.right[whole]
+        return np.append(left, right[right != left])
+
+    def of_cells(self, whole, cells):
+        """Numbers of the bodies that Cells belong to (n_cells,); whole: Bodies before the cut."""
+        middle = middle_of(whole)[cells.body]
+        is_right = (cells.left + cells.right) / 2 - TINY > middle
+        return np.where(is_right, self.right[cells.body], self.left[cells.body])
 
 
-def middle_of(x, length):
-    """Return x [m] halfway between the edges of bricks, where cuts are; that is x but for its last
-    bit."""
-    return ((x - length / 2) + (x + length / 2)) / 2
+def halves_of(brick, bodies, n_bricks, splits):
+    """Return the Halves of Bodies, of which the first are bricks, cut from a damage.Brick or
+    whole; splits: whether whole ones can split, each of which is cut then."""
+    is_whole = np.abs(bodies.length[:n_bricks] - brick.length) < TINY
+    cut = np.flatnonzero(is_whole & splits)
+    left = np.arange(len(bodies))
+    left[n_bricks:] += len(cut)
+    right = left.copy()
+    right[cut] = n_bricks + np.arange(len(cut))
+    side = np.zeros(len(bodies) + len(cut))
+    side[cut] = -1.0
+    side[right[cut]] = 1.0
+    half = taken(bodies, np.insert(np.arange(len(bodies)), n_bricks, cut))
+    length = np.where(side, half.length / 2, half.length)
+    mass = np.where(side, half.mass / 2, half.mass)
+    inertia = np.where(side, inertia_of(mass, length, half.height), half.inertia)
+    x = half.x + side * half.length / 4
+    halves = replace(half, x=x, length=length, mass=mass, inertia=inertia)
+    return Halves(left, right, halves, n_bricks + len(cut))
 
 
-def cut_bricks(layout):
-    """Return a damage.wall.layout.Layout whose whole bricks are two halves each.
-
-    A left half keeps its brick's number; right halves come behind the other bricks, and cuts behind
-    the joints.
-    """
-    old = layout.bodies
-    n = layout.n_bricks
-    wall = layout.wall
-    is_brick = np.arange(len(old)) < n
-    splits = is_brick & can_split(wall.brick, old.length)
-    cut = np.flatnonzero(splits)
-    number = np.arange(len(old)) + np.where(is_brick, 0, len(cut))
-    right_half = n + np.cumsum(splits) - 1  # of the bricks that split
-    middle = middle_of(old.x, old.length)
-    cells = layout.cells
-    on_right = splits[cells.body] & ((cells.left + cells.right) / 2 - TINY > middle[cells.body])
-    cells = replace(cells, body=np.where(on_right, right_half[cells.body], number[cells.body]))
-    bodies = _halves(old, cut, n)
-    contacts = _under_new_numbers(layout.contacts, cells)
-    glue = int(np.sum(contacts.kind != CAP))
-    n_points = CUT_POINTS * len(cut)
-    points = _cut_points(
-        wall.brick,
-        cells,
-        x=middle[cut],
-        z=old.z[cut],
-        left_half=cut,
-        right_half=right_half[cut],
-    )
-    contacts = _with(contacts, np.full(n_points, glue), points)
-    normal, shear = lumped_stiffness(wall, bodies, contacts.kind, contacts.first, contacts.second)
-    of_lintels = (contacts.kind == CUT) & ~np.isnan(contacts.normal_stiffness)
-    normal, shear = (
-        np.where(of_lintels, old, new)
-        for old, new in ((contacts.normal_stiffness, normal), (contacts.shear_stiffness, shear))
-    )
-    drifting = np.sort(layout.drift_bodies)
-    return replace(
-        layout,
-        bodies=bodies,
-        cells=cells,
-        n_bricks=n + len(cut),
-        contacts=replace(contacts, normal_stiffness=normal, shear_stiffness=shear),
-        n_joints=layout.n_joints + n_points,
-        drift_bodies=np.concatenate(
-            [number[layout.drift_bodies], right_half[drifting[splits[drifting]]]]
-        ),
-    )
+def middle_of(bodies):
+    """Return x [m] halfway between the edges of Bodies, where cuts are (n_bodies,); that is x but
+    for its last bit."""
+    return ((bodies.x - bodies.length / 2) + (bodies.x + bodies.length / 2)) / 2
 
 
-def _with(table, places, added):
-    """Return a record of arrays with rows put in before these places."""
-    return replace(
-        table,
-        **{name: np.insert(getattr(table, name), places, values) for name, values in added.items()},
-    )
-
-
-def _halves(old, cut, n_bricks):
-    """Return Bodies: left halves in the places of their bricks, right ones behind the bricks."""
-    length = old.length[cut] / 2
-    mass = old.mass[cut] / 2
-    halves = {
-        "length": length,
-        "mass": mass,
-        "inertia": mass * (length**2 + np.square(old.height[cut])) / 12,
-    }
-    values = {field.name: getattr(old, field.name).copy() for field in fields(old)}
-    added = {name: column[cut] for name, column in values.items()} | halves
-    added["x"] = old.x[cut] + old.length[cut] / 4
-    for name, column in halves.items():
-        values[name][cut] = column
-    values["x"][cut] -= old.length[cut] / 4
-    return _with(replace(old, **values), np.full(len(cut), n_bricks), added)
-
-
-def _under_new_numbers(contacts, cells):
-    """Return Contacts between the bodies that their cells belong to now."""
-    bodies = {
-        side: np.where(cell == GROUND, getattr(contacts, side), cells.body[cell])
-        for side, cell in (("first", contacts.first_cell), ("second", contacts.second_cell))
-    }
-    return replace(contacts, **bodies)
-
-
-def _cut_points(brick, cells, *, x, z, left_half, right_half):
-    """Return {field: values} of the cuts' contact points, upwards in each cut.
-
-    x, z: middles of the bricks that split [m]; left_half, right_half: numbers of their halves.
-    """
-    last_cell = {body: cell for cell, body in enumerate(cells.body)}
-    first_cell = {body: cell for cell, body in reversed(list(enumerate(cells.body)))}
-    length = brick.height / CUT_POINTS
+def cut_places(brick, z):
+    """Return heights of the contact points of a Brick's cut whose middle is at z, upwards, and the
+    length of each [m]."""
     places = (np.arange(CUT_POINTS) + 0.5) / CUT_POINTS - 0.5
-    tensile_strength, cohesion = cut_strengths(brick)
-    of_cuts = {
-        "first": left_half,
-        "second": right_half,
-        "x": x,
-        "first_cell": [last_cell[body] for body in left_half],
-        "second_cell": [first_cell[body] for body in right_half],
-    }
-    return {name: np.repeat(values, CUT_POINTS) for name, values in of_cuts.items()} | {
-        "z": (z[:, None] + places * brick.height).ravel(),
-        "length": length,
-        "area": length * brick.thickness,
-        "elastic": False,
-        "tensile_strength": tensile_strength,
-        "cohesion": cohesion,
-        "compressive_strength": np.inf,
-        "kind": CUT,
-        # of all together, later
-        "normal_stiffness": np.nan,
-        "shear_stiffness": np.nan,
-    }
+    return z + places * brick.height, brick.height / CUT_POINTS

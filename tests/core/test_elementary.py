@@ -323,9 +323,8 @@ def test_known_bits_of_the_wedges_and_the_tail():
 
 def test_scattered_strengths_have_known_bits(monkeypatch):
     """Also where np.unique gives places as a column, as numpy 2.0 does."""
-    wall = Wall("small", 0.9, 0.45)
-    contacts = lay_out(wall).contacts
-    strength = scattered(wall, contacts, (0.3, 7)).tensile_strength
+    contacts = lay_out(Wall("small", 0.9, 0.45)).contacts
+    strength = scattered(contacts, (0.3, 7)).tensile_strength
     assert [float(one).hex() for one in strength[:4]] == [
         "0x1.890015dd8cf2bp+17",
         "0x1.890015dd8cf2bp+17",
@@ -339,4 +338,4 @@ def test_scattered_strengths_have_known_bits(monkeypatch):
         return found, place.reshape(-1, 1)
 
     monkeypatch.setattr(np, "unique", in_a_column)
-    assert np.array_equal(scattered(wall, contacts, (0.3, 7)).tensile_strength, strength)
+    assert np.array_equal(scattered(contacts, (0.3, 7)).tensile_strength, strength)

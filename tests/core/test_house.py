@@ -63,7 +63,7 @@ def test_a_wall_drifts_by_its_top_course_where_corners_take_the_bricks_over_its_
     layout = lay_out_house(house)
     top = layout.wall_drift_bodies[0]
     assert len(top) > 0
-    assert set(layout.bodies.course[top]) == {5} and set(layout.body_wall[top]) == {0}
+    assert set(layout.bodies.course[top]) == {5} and set(layout.bodies.wall[top]) == {0}
 
 
 def _box(tmp_path, old, new):
@@ -199,7 +199,7 @@ def test_what_takes_a_wall_says_that_this_is_a_house():
 def test_equal_walls_of_a_house_have_strengths_of_their_own():
     layout = lay_out_house(read_house(BOX), ModelOptions(strength_cov=0.3, strength_seed=1))
     contacts = layout.contacts
-    wall = layout.body_wall
+    wall = layout.bodies.wall
     inside = (contacts.kind == BED) & (wall[contacts.first] == wall[contacts.second])
     bond = [
         contacts.tensile_strength[
@@ -230,7 +230,7 @@ def test_corners_of_two_masonries_have_the_weaker_properties():
     layout = lay_out_house(House("two", placed, [Corner(("one", "other"), "toothed")]))
     assert_allclose(layout.total_mass, 0.2 * 0.2 * (1500 * (0.8 + 0.6) + 2000 * (0.6 + 0.8)))
     contacts = layout.contacts
-    wall = layout.joint_wall
+    wall = layout.contacts.wall
     for number, cohesion in ((0, 2e5), (1, 1e5), (-1, 1e5)):
         assert set(contacts.cohesion[wall == number]) == {cohesion}
     friction = layout.of_contacts(np.array([0.5, 0.7]))
@@ -325,10 +325,10 @@ def test_timber_floors_load_parallel_walls_by_half_their_spans_and_anchors_tie_t
             [],
         )
     )
-    more = [np.sum((free.bodies.mass - bare.bodies.mass)[free.body_wall == k]) for k in range(3)]
+    more = [np.sum((free.bodies.mass - bare.bodies.mass)[free.bodies.wall == k]) for k in range(3)]
     assert_allclose(more, 50 * 1.6 * np.array([1, 2.5, 1.5]), rtol=1e-6)
     away = np.zeros((len(free.bodies), 6))
-    away[free.body_wall == 2, 3] = 1.0
+    away[free.bodies.wall == 2, 3] = 1.0
     held, one, loose = (
         away.ravel() @ stiffness_matrix(layout) @ away.ravel() for layout in (tied, once, free)
     )
@@ -351,7 +351,7 @@ def test_ties_join_the_units_of_two_leaves_at_the_same_place():
         house = _cavity(**outer)
         tied, loose = (lay_out_house(one) for one in (house, replace(house, ties=())))
         moved = np.zeros((2, len(tied.bodies), 6))
-        moved[0, tied.body_wall == 1, 3] = moved[1, tied.body_wall == 1, 0] = 1.0
+        moved[0, tied.bodies.wall == 1, 3] = moved[1, tied.bodies.wall == 1, 0] = 1.0
         found = [
             [one.ravel() @ stiffness_matrix(layout) @ one.ravel() for one in moved]
             for layout in (tied, loose)

@@ -137,20 +137,18 @@ class TestOddWall:
         assert length.max() < BRICK * 1.25 + 1e-6
 
     def test_cells_face_each_other(self, wall):
+        """Half a contact point's length beside it lies on both bodies."""
         layout = lay_out(wall)
+        bodies = layout.bodies
         contacts = layout.contacts
-        cells = layout.cells
-        bed = (contacts.kind != HEAD) & (contacts.first != GROUND)
-        for edge in (cells.left, cells.right):
-            assert_allclose(
-                edge[contacts.first_cell[bed]], edge[contacts.second_cell[bed]], atol=1e-7
-            )
-        head = contacts.kind == HEAD
-        assert_allclose(
-            cells.right[contacts.first_cell[head]],
-            cells.left[contacts.second_cell[head]],
-            atol=1e-7,
-        )
+        flat = ~contacts.upright
+        for place, size, of in ((bodies.x, bodies.length, flat), (bodies.z, bodies.height, ~flat)):
+            middle = np.where(flat, contacts.x, contacts.z)[of]
+            half = contacts.length[of] / 2
+            for body in (contacts.first[of], contacts.second[of]):
+                moves = body >= 0
+                away = np.abs(middle - place[body]) + half
+                assert np.all(away[moves] < size[body][moves] / 2 + 1e-7)
 
     def test_head_joints_of_neighbouring_courses_are_not_in_line(self, wall):
         contacts = lay_out(wall).contacts
@@ -266,7 +264,6 @@ def test_what_members_share_is_laid_out_once_and_is_of_each_its_own(brick, monke
         )
         return [
             *vars(layout.bodies).values(),
-            *vars(layout.cells).values(),
             *vars(layout.contacts).values(),
             layout.drift_bodies,
         ], layout

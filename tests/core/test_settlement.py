@@ -462,6 +462,15 @@ def test_springs_are_soil_and_base_joint_in_series_over_the_footing():
     )
 
 
+def test_bricks_that_split_stand_on_the_soil_as_others_do():
+    of_base = []
+    for strength in (None, 1e6):
+        wall = Wall("pier", 0.9, 0.6, brick=Brick(tensile_strength=strength))
+        contacts = lay_out(wall, ModelOptions(soil=SOIL)).contacts
+        of_base.append(contacts.normal_stiffness[contacts.first < 0])
+    assert_allclose(of_base[1], of_base[0], rtol=1e-7)
+
+
 def periods(layout, weight=True):
     """Closed form: periods [s] of sway and rocking of a rigid block on a bed of springs, with the
     weight's moment."""

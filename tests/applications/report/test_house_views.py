@@ -48,11 +48,11 @@ def house(tmp_path_factory):
     """A crack of 1 mm outside the front and of 0.25 mm inside, 0.5 mm between the walls; the front
     moves by 4 mm across it."""
     lay = layout()
-    of_front = np.flatnonzero(lay.joint_wall[: lay.n_joints] == 0)
-    between = np.flatnonzero(lay.joint_wall[: lay.n_joints] == -1)
+    of_front = np.flatnonzero(lay.contacts.wall[: lay.n_joints] == 0)
+    between = np.flatnonzero(lay.contacts.wall[: lay.n_joints] == -1)
     outside, _, inside = of_front[:3]  # from -y to +y
     motion = np.zeros((len(lay.bodies), 6))
-    motion[lay.body_wall == 0, 3] = 0.004
+    motion[lay.bodies.wall == 0, 3] = 0.004
     return make_history(
         tmp_path_factory.mktemp("house") / "house.h5",
         lay,
@@ -125,11 +125,11 @@ def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
     lay = layout()
     turn = 0.3
     motion = np.zeros((len(lay.bodies), 6))
-    motion[lay.body_wall == 1, 3:5] = 0.01, turn
+    motion[lay.bodies.wall == 1, 3:5] = 0.01, turn
     space = InSpace(make_history(tmp_path / "a.h5", lay, snapshots={0.0: motion}))
     rest = space.boxes
     now = space.corners(0)
-    of = lay.body_wall == 1
+    of = lay.bodies.wall == 1
     assert_allclose(now[~of], rest[~of], atol=1e-15)
     assert_allclose(rest[of][:, 1, 1] - rest[of][:, 0, 1], lay.bodies.length[of])
     centre = rest[of].mean(axis=1, keepdims=True)
@@ -137,7 +137,7 @@ def test_bodies_move_in_space_as_rigid_boxes(tmp_path):
         [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
     )
     assert_allclose(now[of], centre + (rest[of] - centre) @ about_y.T - [0.01, 0, 0], atol=1e-7)
-    faces = lay.joint_wall[: lay.n_joints] == 1
+    faces = lay.contacts.wall[: lay.n_joints] == 1
     assert_allclose(
         np.abs(space.joint_ends[faces][..., 0] - 0.1).max(), 0.1
     )  # its thickness is 0.2

@@ -329,8 +329,8 @@ def bonded():
 def _failure(layout, multiplier, joint):
     return {
         "multiplier": float(multiplier),
-        "wall": int(layout.joint_wall[joint]),
-        "place": np.round(layout.place[joint], 3).tolist(),
+        "wall": int(layout.contacts.wall[joint]),
+        "place": np.round(layout.contacts.place[joint], 3).tolist(),
         "upright": bool(layout.contacts.upright[joint]),
     }
 
@@ -413,7 +413,7 @@ def _bent(solver, multiplier):
             failed.setdefault(at, round(float(base[min(step, len(base) - 1), 0] / GRAVITY), 2))
     opening = np.zeros(layout.n_joints)
     opening[now.joints] = now.contacts["opening_m"][-1]
-    y = layout.y if layout.IN_SPACE else contacts.x - THICK / 2
+    y = contacts.y if layout.IN_SPACE else contacts.x - THICK / 2
     wide = np.flatnonzero((opening > opening.max() / 3) & ~contacts.upright[: layout.n_joints])
     wide = wide[np.argsort(np.abs(y[wide]))]  # faces last, which stay
     return {
