@@ -140,7 +140,8 @@ class Before:
     def in_band(self, boxes):
         """Which boxes (n, 8, 3) [m] are in the wall, or reach into it, (n,) bool."""
         placing = self.placing
-        half = np.array([placing.length[self.number], placing.thickness[self.number]]) / 2
+        wall = placing.walls[self.number].wall
+        half = np.array([wall.length, wall.brick.thickness]) / 2
         middle = [placing.left[self.number] + half[0], 0.0]
         places = placing.in_wall(self.number, boxes)[..., :2] - middle
         reach = half - TINY

@@ -40,14 +40,15 @@ def coarser(wall, along, up):
     brick = wall.brick
     course = wall.built_height / max(1, nearest(wall.courses / up))
     size = f"units of {along * brick.length:.4g} x {course:.4g} m"
-    made = {}
+    joint = {}
+    bricks = {}
     for stiffness, modulus in (
         ("normal_stiffness", "young_modulus"),
         ("shear_stiffness", "shear_modulus"),
     ):
-        made |= _equivalent(wall, along, course / brick.height, stiffness, modulus, size)
-    joint = {name: value for name, value in made.items() if name.endswith("stiffness")}
-    bricks = {name: value for name, value in made.items() if name.endswith("modulus")}
+        joint[stiffness], bricks[modulus] = _equivalent(
+            wall, along, course / brick.height, stiffness, modulus, size
+        )
     try:
         coarse = replace(
             wall,
@@ -66,14 +67,14 @@ def coarser(wall, along, up):
 
 
 def _equivalent(wall, along, up, stiffness, modulus, size):
-    """{field of Joint: stiffness, field of Brick: modulus} of the units; up: in courses, not
-    always a whole number."""
+    """Stiffness of a Joint and modulus of a Brick, fields of these names, of the units; up: in
+    courses, not always a whole number."""
     brick = wall.brick
     joint = 1 / getattr(wall.joint, stiffness)
     of_brick = 1 / getattr(brick, modulus)
     least = 1e-3
     if math.isclose(along, up):
-        return {stiffness: 1 / (along * joint), modulus: 1 / of_brick}
+        return 1 / (along * joint), 1 / of_brick
     excess = along * brick.length - up * brick.height
     share = (brick.length - brick.height) / excess if excess else -1.0
     softer = of_brick + (along - up) * joint / excess if excess else -1.0
@@ -83,7 +84,7 @@ def _equivalent(wall, along, up, stiffness, modulus, size):
             f" {modulus.replace('_', ' ')} keep the wall as stiff along and across its courses:"
             " expected units longer than high, or as many bricks long as courses high; give others"
         )
-    return {stiffness: 1 / (along * up * share * joint), modulus: 1 / softer}
+    return 1 / (along * up * share * joint), 1 / softer
 
 
 def _check_spandrels(wall):

@@ -50,7 +50,15 @@ from damage.fields import check_fields, choice, quantity
 from damage.house.limits import OF_RUNS, OF_SOLVERS, OF_WALLS, refuse
 from damage.house.ties import Ties, spans_between
 from damage.toml_file import read_toml
-from damage.wall.file import MOST_MB, load_wall, read_wall, user_record, wall_of, wall_path
+from damage.wall.file import (
+    MOST_MB,
+    load_wall,
+    read_wall,
+    user_record,
+    user_records,
+    wall_of,
+    wall_path,
+)
 from damage.wall.floors import KINDS_OF_FLOORS, Floor
 from damage.wall.kinds import TINY
 from damage.wall.parameters import LONGEST_M, Wall
@@ -355,10 +363,7 @@ def read_house(path):
         tops = [placed.wall.height for placed in walls if placed.wall.name in roof.get("walls", ())]
         tables["floors"] = [*tables["floors"], {"level": max(tops, default=1.0)} | roof]
     parts = {
-        name: [
-            user_record(f"{path}, [[{name}]] {number}", kind, entry)
-            for number, entry in enumerate(tables[name], 1)
-        ]
+        name: user_records(f"{path}, [[{name}]]", kind, tables[name])
         for name, kind in _PARTS.items()
     }
     return user_record(f"{path}", House, table | {"walls": walls} | parts)

@@ -186,13 +186,11 @@ def _contacts_of(placing, number, part):
 def _ground(house, placing, parts):
     """Supports below unfolded walls, and their ends along the heading (n_supports,) [m], each as
     thick as its wall."""
-    supports = Supports(
-        *(
-            np.concatenate(
-                [getattr(part.supports, end) + start for part, start in zip(parts, placing.left)]
-            )
-            for end in ("left", "right")
-        )
+    supports = concatenated(
+        [
+            Supports(part.supports.left + start, part.supports.right + start)
+            for part, start in zip(parts, placing.left)
+        ]
     )
     turn = np.radians(house.heading)
     heading = np.round([np.cos(turn), np.sin(turn), 0.0], 15)

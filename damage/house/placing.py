@@ -42,15 +42,10 @@ class Placing:
         """Origins of the walls in the house (n_walls, 3) [m]."""
         return np.array([(*placed.origin, 0.0) for placed in self.walls])
 
-    @cached_property
+    @property
     def length(self):
         """Lengths of the walls (n_walls,) [m]."""
         return np.array([placed.wall.length for placed in self.walls])
-
-    @cached_property
-    def thickness(self):
-        """Thicknesses of the walls (n_walls,) [m]."""
-        return np.array([placed.wall.brick.thickness for placed in self.walls])
 
     def in_house(self, wall, places):
         """Places (n, k, 3) [m] in walls (n,) as places in the house (n, k, 3) [m]."""
@@ -72,7 +67,8 @@ class Placing:
         ends = np.array([placed.ends for placed in self.walls])
         middle = (ends.min(axis=(0, 1)) + ends.max(axis=(0, 1))) / 2
         away = np.einsum("ni,ni->n", ends.mean(axis=1) - middle, self.axes[:, 1, :2])
-        outside = np.where(away < -self.thickness / 2, -1, 1)
+        half = np.array([placed.wall.brick.thickness / 2 for placed in self.walls])
+        outside = np.where(away < -half, -1, 1)
         return outside if face == "outside" else -outside
 
 

@@ -196,18 +196,13 @@ class HouseLayout(Layout):
     def across(self, motion):
         """Displacement across each wall of the body where it is largest (n, n_walls) [m]; motion:
         out of plane (n, n_bodies, 3)."""
-        result = []
-        for number in range(len(self.walls)):
-            of_wall = motion[:, self.bodies.wall == number, 0]
-            result.append(of_wall[np.arange(len(of_wall)), np.abs(of_wall).argmax(axis=1)])
-        return np.column_stack(result)
+        walls = range(len(self.walls))
+        return np.hstack([_largest(motion[:, self.bodies.wall == wall, 0]) for wall in walls])
 
     def top_and_drift(self, tops, of_base):
         """Top and drift as of Layout, of the wall whose drift is the largest, over the height of
         all drifts."""
-        drifts = (tops - of_base) / self.drift_heights
-        largest = np.abs(drifts).argmax(axis=1)
-        top = drifts[np.arange(len(drifts)), largest] * self.drift_height
+        top = _largest((tops - of_base) / self.drift_heights)[:, 0] * self.drift_height
         return top, top / self.drift_height
 
     def _carries(self, level):
@@ -248,28 +243,20 @@ class HouseLayout(Layout):
         """What stiffness depends on beside the bodies and the contact points' own numbers."""
         return self.contacts.place, self.contacts.axes
 
-    @property
-    def directions(self):
-        """What a unit of each coordinate of the first and the second body of each contact adds to
-        the relative displacement of second to first along each of its axes, a list of three (2,
-        n_contacts, 6)."""
-        return [self._rows(direction) for direction in range(3)]
-
-    def _rows(self, direction):
+    def _by_unit(self, side, points, direction):
         contacts = self.contacts
-        result = np.zeros((2, len(contacts), 6))
-        for row, body, sign in (
-            (result[0], contacts.first, -1.0),
-            (result[1], contacts.second, 1.0),
-        ):
-            moving = np.flatnonzero(body >= 0)
-            bodies = body[moving]
-            d = np.einsum("nij,nj->ni", self.of_body[bodies], contacts.axes[moving, direction])
-            turned = np.cross(self.arms(np.maximum(body, 0))[moving], d)
-            row[moving] = sign * np.column_stack(
-                [d[:, 0], d[:, 2], -turned[:, 1], d[:, 1], turned[:, 0], turned[:, 2]]
-            )
-        return result
+        body = (contacts.first, contacts.second)[side]
+        axis = contacts.axes[points, direction]
+        d = np.einsum("nij,nj->ni", self.of_body[body[points]], axis)
+        turned = np.cross(self.arms(np.maximum(body, 0))[points], d)
+        return np.column_stack(
+            [d[:, 0], d[:, 2], -turned[:, 1], d[:, 1], turned[:, 0], turned[:, 2]]
+        )
+
+
+def _largest(values):
+    """The value of each row (n, m) that is the largest, whatever its sign, (n, 1)."""
+    return np.take_along_axis(values, np.abs(values).argmax(axis=1, keepdims=True), axis=1)
 
 
 def boxes(layout, wall):

@@ -58,17 +58,13 @@ def sum_of_products(n_bodies, bodies, rows, weights):
     order = np.argsort(bodies, axis=0)
     low, high = np.take_along_axis(bodies, order, axis=0)
     of_low, of_high = np.take_along_axis(rows, order[:, :, None], axis=0)
-    both = np.flatnonzero(low >= 0)
-    i = np.concatenate([high, low[both], high[both]])
-    j = np.concatenate([high, low[both], low[both]])
-    left, right, weights = (
-        np.concatenate(parts)
-        for parts in (
-            (of_high, of_low[both], of_high[both]),
-            (of_high, of_low[both], of_low[both]),
-            (weights, weights[both], weights[both]),
-        )
-    )
+    highs = high, of_high
+    lows = low, of_low
+    terms = []
+    for (i, left), (j, right) in ((highs, highs), (lows, lows), (highs, lows)):
+        moves = j >= 0
+        terms.append((i[moves], j[moves], left[moves], right[moves], weights[moves]))
+    i, j, left, right, weights = map(np.concatenate, zip(*terms))
     number, place = np.unique(
         np.append(np.arange(n_bodies) * (n_bodies + 1), i * n_bodies + j), return_inverse=True
     )

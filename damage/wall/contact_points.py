@@ -266,14 +266,9 @@ def _touching(parts, ends, bottom, top):
     pairs = set()
     for part in parts:
         shares = (bottom < top[part] - TINY) & (top > bottom[part] + TINY)
-        pairs |= {
-            (part, int(other))
-            for other in np.flatnonzero(shares & (np.abs(left - right[part]) < TINY))
-        }
-        pairs |= {
-            (int(other), part)
-            for other in np.flatnonzero(shares & (np.abs(right - left[part]) < TINY))
-        }
+        on_right = np.flatnonzero(shares & (np.abs(left - right[part]) < TINY)).tolist()
+        on_left = np.flatnonzero(shares & (np.abs(right - left[part]) < TINY)).tolist()
+        pairs |= {(part, other) for other in on_right} | {(other, part) for other in on_left}
     return sorted(pairs)
 
 

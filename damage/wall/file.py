@@ -207,10 +207,7 @@ def wall_from(table: dict) -> Wall:
                 raise InputError(
                     f"{name} is no list: expected tables [[{name}]]; double the brackets"
                 )
-            made[name] = [
-                user_record(f"[[{name}]] {number}", kind, entry)
-                for number, entry in enumerate(given.pop(name), 1)
-            ]
+            made[name] = user_records(f"[[{name}]]", kind, given.pop(name))
     return user_record("the wall", Wall, given | made)
 
 
@@ -271,6 +268,11 @@ def _of_modulus(modulus, brick, joint):
     return made | {"brick": brick_of_masonry(modulus, made["joint"], **brick)}
 
 
+def user_records(what: str, kind: type, tables: list) -> list:
+    """Records of tables, as of `user_record`, numbered from 1."""
+    return [user_record(f"{what} {number}", kind, table) for number, table in enumerate(tables, 1)]
+
+
 def user_record(what: str, kind: type, table: dict):
     """A record of a table; InputError for keys that it does not have, and for those that are
     missing."""
@@ -280,16 +282,19 @@ def user_record(what: str, kind: type, table: dict):
     _refuse_unknown(what, table, [*names, *(["masonry"] if kind is Wall else [])])
     if isinstance(table.get("lintel"), dict):
         table = table | {"lintel": user_record(f"lintel of {what}", Lintel, table["lintel"])}
-    missing = [
-        attribute.name
-        for attribute in fields(kind)
-        if attribute.default is MISSING
-        and attribute.default_factory is MISSING
-        and attribute.name not in table
-    ]
+    missing = [name for name in _required(kind) if name not in table]
     if missing:
         raise InputError(f"{what} lacks {', '.join(missing)}: expected a value for each; give it")
     return kind(**table)
+
+
+def _required(kind):
+    """Names of the fields of a record that have no default."""
+    return [
+        attribute.name
+        for attribute in fields(kind)
+        if attribute.default is MISSING and attribute.default_factory is MISSING
+    ]
 
 
 def _refuse_unknown(what, table, known):
@@ -340,11 +345,6 @@ def wall_schema() -> dict:
 def _object(kind, special, *more):
     """Schema of a record: as its fields say, but for what is special; more: keys of numbers besides
     its fields."""
-    required = [
-        attribute.name
-        for attribute in fields(kind)
-        if attribute.default is MISSING and attribute.default_factory is MISSING
-    ]
     properties = {
         attribute.name: special.get(attribute.name) or _schema_of(attribute.metadata)
         for attribute in fields(kind)
@@ -352,7 +352,7 @@ def _object(kind, special, *more):
     return {
         "type": "object",
         "additionalProperties": False,
-        "required": required,
+        "required": _required(kind),
         "properties": properties | {key: special.get(key, _NUMBER) for key in more},
     }
 

@@ -131,10 +131,7 @@ def joint_segments(joints, bodies, motion, magnify=1.0, supports=AT_REST):
     """Both ends of every joint's tributary length after the magnified motion, (n_joints, 2, 2)
     [m]."""
     ends = tributary_ends(joints)
-    first, second = (
-        displaced(bodies, motion, joints[name].to_numpy(), ends, magnify=magnify, supports=supports)
-        for name in ("first_body", "second_body")
-    )
+    first, second = _on_both_sides(joints, bodies, motion, ends, magnify, supports)
     return (first + second) / 2
 
 
@@ -142,11 +139,16 @@ def joint_gaps(joints, bodies, motion, supports=AT_REST):
     """How far the middles of every joint's two sides are apart after the motion, (n_joints,)
     [m]."""
     middle = tributary_ends(joints).mean(axis=1, keepdims=True)
-    first, second = (
-        displaced(bodies, motion, joints[name].to_numpy(), middle, supports=supports)[:, 0]
+    first, second = _on_both_sides(joints, bodies, motion, middle, 1.0, supports)
+    return hypot(*(second - first)[:, 0].T)
+
+
+def _on_both_sides(joints, bodies, motion, points, magnify, supports):
+    """Where points of every joint go with its first and its second body, as of `displaced`."""
+    return [
+        displaced(bodies, motion, joints[name].to_numpy(), points, magnify, supports)
         for name in ("first_body", "second_body")
-    )
-    return hypot(*(second - first).T)
+    ]
 
 
 def tributary_ends(joints):

@@ -247,30 +247,34 @@ class Layout:
     @property
     def directions(self) -> list[np.ndarray]:
         """What a unit of each coordinate of the first and the second body of each contact adds to
-        the relative displacement of second to first across and along the joint, a list of two (2,
-        n_contacts, coordinates); zero on the ground."""
-        upright = self.contacts.upright
-        return [self._rows(0, upright), self._rows(1, ~upright)]
+        the relative displacement of second to first across and along the joint, and in space
+        through the thickness, a list of (2, n_contacts, coordinates); zero on the ground."""
+        return [self._rows(direction) for direction in range(self.MOTION_AXES)]
 
-    def _rows(self, direction, along_x):
+    def _rows(self, direction):
+        ends = self.contacts.first, self.contacts.second
+        moving = [np.flatnonzero(body >= 0) for body in ends]
+        by_unit = [self._by_unit(side, moving[side], direction) for side in (0, 1)]
+        rows = np.zeros((2, len(self.contacts), by_unit[1].shape[1]))
+        rows[0, moving[0]] = -by_unit[0]
+        rows[1, moving[1]] = by_unit[1]
+        return rows
+
+    def _by_unit(self, side, points, direction):
+        """Displacement of these contact points in a direction by a unit of each coordinate of their
+        first or second body, (n, coordinates)."""
         contacts = self.contacts
         bodies = self.bodies
         strain = self.strain
-        coordinates = 3 + (strain.n_modes if strain else 0)
-        result = np.zeros((2, len(contacts), coordinates))
-        for rows, body, shape, sign in (
-            (result[0], contacts.first, strain and strain.first, -1.0),
-            (result[1], contacts.second, strain and strain.second, 1.0),
-        ):
-            moving = np.flatnonzero(body >= 0)
-            index = body[moving]
-            rx = contacts.x[moving] - bodies.x[index]
-            rz = contacts.z[moving] - bodies.z[index]
-            dx = along_x[moving].astype(float)
-            dz = 1 - dx
-            modes = () if strain is None else strain.shapes[shape[moving], direction].T
-            rows[moving] = sign * np.column_stack([dx, dz, dz * rx - dx * rz, *modes])
-        return result
+        index = (contacts.first, contacts.second)[side][points]
+        rx = contacts.x[points] - bodies.x[index]
+        rz = contacts.z[points] - bodies.z[index]
+        dx = (contacts.upright[points] == (direction == 0)).astype(float)
+        dz = 1 - dx
+        modes = ()
+        if strain is not None:
+            modes = strain.shapes[(strain.first, strain.second)[side][points], direction].T
+        return np.column_stack([dx, dz, dz * rx - dx * rz, *modes])
 
     @property
     def elastic_arrays(self) -> tuple:

@@ -167,17 +167,10 @@ def masonry(
     size = _named("brick format", brick_format, FORMATS)
     check_range("mortar [m]", mortar, 0.0, 0.05)
     check_number("wythes", wythes, "a whole number from 1 to 6", lambda value: value in range(1, 7))
-    given = {
-        name: getattr(properties, name)
-        for name in (
-            "tensile_strength",
-            "cohesion",
-            "mode_i_fracture_energy",
-            "mode_ii_fracture_energy",
-        )
-    }
+    known = Joint.__dataclass_fields__
+    given = {name: value for name, value in properties._asdict().items() if name in known}
     given["friction_angle"] = float(atan(properties.friction))
-    unknown = sorted(set(joint) - set(Joint.__dataclass_fields__))
+    unknown = sorted(set(joint) - set(known))
     if unknown:
         raise InputError(
             f"masonry({unknown[0]}=...): expected a field of Joint{did_you_mean(unknown[0], given)}"

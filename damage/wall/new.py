@@ -48,22 +48,17 @@ def _text_of(shipped, name):
 def as_toml(table):
     """A table of `damage.Wall.as_dict` as TOML, which `damage.wall.file` reads; without what is
     None."""
-    records = {
-        key: value
-        for key, value in table.items()
-        if isinstance(value, dict)
-        or (isinstance(value, list | tuple) and value and isinstance(value[0], dict))
-    }
-    single = {
-        key: value
-        for key, value in table.items()
-        if key not in records and (value or not isinstance(value, tuple))
-    }
-    parts = ["\n".join(_pairs(single))]
-    for key, value in records.items():
-        head, rows = (f"[{key}]", [value]) if isinstance(value, dict) else (f"[[{key}]]", value)
-        parts += ["\n".join([head, *_pairs(row)]) for row in rows]
-    return "\n\n".join(parts) + "\n"
+    single = {}
+    records = []
+    for key, value in table.items():
+        if isinstance(value, dict):
+            records.append((f"[{key}]", value))
+        elif isinstance(value, list | tuple) and value and isinstance(value[0], dict):
+            records += [(f"[[{key}]]", row) for row in value]
+        elif value != ():
+            single[key] = value
+    parts = [_pairs(single), *([head, *_pairs(row)] for head, row in records)]
+    return "\n\n".join(map("\n".join, parts)) + "\n"
 
 
 def _pairs(table):

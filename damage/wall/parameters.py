@@ -36,6 +36,15 @@ NO_COHESION = (
 """Message about a wall of an older version."""
 
 
+RULE = "rule"
+"""In place of a fracture energy: what its rule makes of the strength."""
+
+
+def _energy(usual, why):
+    """A field of a fracture energy, a number or RULE."""
+    return quantity("J/m2", 0, 1e9, usual, why, zero=True, words=(RULE,), default=None)
+
+
 @dataclass(frozen=True)
 class Brick:
     """A masonry unit with its share of mortar (joints have no thickness).
@@ -100,15 +109,8 @@ class Brick:
     tensile_strength: float | None = quantity(
         "Pa", 0.0, 1e20, (1e4, 1e8), "adobe; clay bricks have some 1e6", zero=True, default=None
     )
-    fracture_energy: float | str | None = quantity(
-        "J/m2",
-        0,
-        1e9,
-        (1, 1e3),
-        "clay bricks had 47 and 58 (Mohammed, Hughes, Danraka)",
-        zero=True,
-        words=("rule",),
-        default=None,
+    fracture_energy: float | str | None = _energy(
+        (1, 1e3), "clay bricks had 47 and 58 (Mohammed, Hughes, Danraka)"
     )
 
     @property
@@ -135,10 +137,6 @@ def nearest(number: float) -> int:
     (3, 4, 5, 3)
     """
     return math.floor(number + 0.5 + 1e-9)
-
-
-RULE = "rule"
-"""In place of a fracture energy: what its rule makes of the strength."""
 
 
 @dataclass(frozen=True)
@@ -193,38 +191,17 @@ class Joint:
     cohesion: float = quantity(
         "Pa", 0.0, 1e20, (1e3, 1e7), "EN 1996-1-1, 3.6.2, has 1e5 to 4e5", zero=True, default=0.24e6
     )
-    mode_i_fracture_energy: float | str | None = quantity(
-        "J/m2",
-        0,
-        1e9,
-        (0.5, 1e4),
-        "clay brickwork has 5.6 to 19 (Korswagen, 2022)",
-        zero=True,
-        words=(RULE,),
-        default=None,
+    mode_i_fracture_energy: float | str | None = _energy(
+        (0.5, 1e4), "clay brickwork has 5.6 to 19 (Korswagen, 2022)"
     )
-    mode_ii_fracture_energy: float | str | None = quantity(
-        "J/m2",
-        0,
-        1e9,
-        (1, 1e5),
-        "clay brickwork has 102 to 353 (Korswagen, 2022)",
-        zero=True,
-        words=(RULE,),
-        default=None,
+    mode_ii_fracture_energy: float | str | None = _energy(
+        (1, 1e5), "clay brickwork has 102 to 353 (Korswagen, 2022)"
     )
     compressive_strength: float | None = quantity(
         "Pa", 0.0, 1e20, (1e5, 1e9), "adobe; the strongest bricks have some 1e8", default=None
     )
-    compressive_fracture_energy: float | str | None = quantity(
-        "J/m2",
-        0,
-        1e9,
-        (100, 1e6),
-        "masonry has 0.33 to 1.6 mm times its strength (Lourenço, 2009)",
-        zero=True,
-        words=(RULE,),
-        default=None,
+    compressive_fracture_energy: float | str | None = _energy(
+        (100, 1e6), "masonry has 0.33 to 1.6 mm times its strength (Lourenço, 2009)"
     )
 
     def __post_init__(self):

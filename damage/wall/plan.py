@@ -137,19 +137,18 @@ def plan_of(wall, options: ModelOptions | None = None) -> Plan:
     wall = wall if options is None else wall.with_lintels(options.lintel)
     floors = floor_places(wall)
     brick = wall.brick
-    openings = _opening_places(wall, floors)
+    slabs = [place for place in floors if place.floor.is_body]
+    openings = _opening_places(wall, slabs)
     outlined = [outlined_runs(wall, course) for course in range(wall.courses)]
-    holes = [place[:4] for place in openings] + [
-        place[1:] for place in floors if place.floor.is_body
-    ]
+    holes = [*openings, *slabs]
     lintels = _lintel_places(brick, openings, _beside_all(outlined, holes, brick.length / 2))
-    runs = _beside_all(outlined, holes + [place[1:5] for place in lintels], brick.length / 2)
+    runs = _beside_all(outlined, [*holes, *lintels], brick.length / 2)
     offsets = [
         brick.length / 2 if (course % 2 == 1) != (wall.base_course == "half") else 0.0
         for course in range(wall.courses)
     ]
     bricks = tuple(
-        tuple(brick_ for run in parts for brick_ in _lay_run(brick.length, offset, *run))
+        tuple(chain(*(_lay_run(brick.length, offset, *run) for run in parts)))
         for parts, offset in zip(runs, offsets)
     )
     least = wall.length / 2 - TINY
@@ -175,7 +174,7 @@ def plan_of(wall, options: ModelOptions | None = None) -> Plan:
     )
 
 
-def _opening_places(wall, floors):
+def _opening_places(wall, slabs):
     """The OpeningPlace of every opening, in their order; a slab on an opening is its lintel."""
     places = [
         OpeningPlace(
@@ -187,7 +186,7 @@ def _opening_places(wall, floors):
         )
         for opening in wall.openings
     ]
-    others = [*places, *(place for place in floors if place.floor.is_body)]
+    others = [*places, *slabs]
     return tuple(
         place._replace(
             spandrel=min(
@@ -221,7 +220,7 @@ def _find_piers(length, openings):
         if storey and opening.above < sill:
             break
         sill = min(sill, opening.first)
-        storey.append((opening.left, opening.right, 0, 1))
+        storey.append(opening._replace(first=0, above=1))
     return _beside_all([[(0.0, length)]], storey, 2 * TINY)[0]
 
 
@@ -339,18 +338,17 @@ def _snapped(x, quarter, is_left):
 
 
 def _beside_all(courses, holes, half):
-    """Parts (left, right) [m] that holes (left, right, first course, first above) leave of these
+    """Parts (left, right) [m] that holes, places of openings, slabs and lintels, leave of these
     parts of each course, if they are half a brick long or more."""
     beside = []
-    holes = sorted(holes)
     for course, parts in enumerate(courses):
         left_over = parts
-        for start, end, first, above in holes:
-            if first <= course < above:
+        for hole in holes:
+            if hole.first <= course < hole.above:
                 left_over = [
                     part
                     for left, right in left_over
-                    for part in ((left, min(right, start)), (max(left, end), right))
+                    for part in ((left, min(right, hole.left)), (max(left, hole.right), right))
                     if part[1] > part[0]
                 ]
         beside.append(
@@ -377,8 +375,7 @@ def _lay_run(length, offset, left, right):
         joints[-1] -= length / 4
         if joints[-1] - left < quarter:
             joints.pop()
-    edges = [left, *joints, right]
-    return list(zip(edges[:-1], edges[1:]))
+    return list(pairwise([left, *joints, right]))
 
 
 def check_outline(wall) -> None:

@@ -21,19 +21,17 @@ def on_soil(layout):
         return layout
     base = contacts.first < 0
     per_area = float(options.soil) * options.footing / layout.wall.brick.thickness
-    stiffness = {
-        name: np.where(
-            base, _in_series(getattr(contacts, name), share * per_area), getattr(contacts, name)
+    normal, shear = (
+        np.where(base, 1 / (1 / stiffness + 1 / (share * per_area)), stiffness)
+        for stiffness, share in (
+            (contacts.normal_stiffness, 1.0),
+            (contacts.shear_stiffness, options.soil_shear),
         )
-        for name, share in (("normal_stiffness", 1.0), ("shear_stiffness", options.soil_shear))
-    }
-    return replace(
-        layout,
-        contacts=replace(
-            contacts, **stiffness, tensile_strength=np.where(base, 0.0, contacts.tensile_strength)
-        ),
     )
-
-
-def _in_series(first, second):
-    return 1 / (1 / first + 1 / second)
+    contacts = replace(
+        contacts,
+        normal_stiffness=normal,
+        shear_stiffness=shear,
+        tensile_strength=np.where(base, 0.0, contacts.tensile_strength),
+    )
+    return replace(layout, contacts=contacts)

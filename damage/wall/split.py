@@ -7,6 +7,7 @@ bear under bending, diagonal tension and after they fail is derived in docs/mode
 """
 
 from dataclasses import replace
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,25 +34,14 @@ def beside_cuts(contacts):
     above and below it on either side, (cuts, 4), -1 where a face is free."""
     splits = np.flatnonzero((contacts.kind == CUT) & ~contacts.elastic)[::CUT_POINTS]
     lies = (contacts.kind == BED) | (contacts.kind == CAP)
-    rows = {
-        side: {
-            body: np.flatnonzero(lies & (getattr(contacts, side) == body))
-            for body in (*contacts.first[splits], *contacts.second[splits])
-        }
-        for side in ("first", "second")
-    }
+    ends = contacts.first, contacts.second
     neighbours = np.full((len(splits), 4), -1)
     for k, cut in enumerate(splits):
-        faces = (
-            rows[side][body]
-            for body in (contacts.first[cut], contacts.second[cut])
-            for side in rows
-        )
-        for face, points in enumerate(faces):
+        for face, (half, side) in enumerate(product(ends, repeat=2)):
+            points = np.flatnonzero(lies & (side == half[cut]))
             if len(points):
-                neighbours[k, face] = points[
-                    np.argmin(np.abs(contacts.x[points] - contacts.x[cut]))
-                ]
+                away = np.abs(contacts.x[points] - contacts.x[cut])
+                neighbours[k, face] = points[np.argmin(away)]
     return splits, neighbours
 
 

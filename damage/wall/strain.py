@@ -134,11 +134,6 @@ def _with_sign(vector):
     return vector * np.sign(vector[np.argmax(size >= size.max() / 2)])
 
 
-def _brick_modes(brick, length):
-    """BrickModes of a damage.Brick cut to a length [m], which last bits do not distinguish."""
-    return brick_modes(brick, round(float(length), 12))
-
-
 def elasticity_of(brick):
     """Stress by strain (3, 3) [Pa]: sigma_x, sigma_z, tau of epsilon_x, epsilon_z, gamma, in plane
     stress.  Raises InputError where the moduli are of no isotropic material."""
@@ -162,7 +157,9 @@ def strain_of(brick, options, bodies, contacts, n_bricks):
 
     Bricks with a tensile strength stay whole.
     """
-    modes = [_brick_modes(brick, length) for length in bodies.length[:n_bricks]]
+    # last bits do not distinguish lengths
+    lengths = [round(float(length), 12) for length in bodies.length[:n_bricks]]
+    modes = [brick_modes(brick, length) for length in lengths]
     frequency = np.zeros((len(bodies), len(modes[0].frequency)))
     frequency[:n_bricks] = [mode.frequency for mode in modes]
     own_mass = brick.density * brick.thickness * bodies.length * bodies.height
