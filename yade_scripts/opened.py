@@ -197,7 +197,7 @@ class Properties(NamedTuple):
 
 
 class _AtRest:
-    """Says, in place of damage.reference.rest_cache.Settled, whether a wall is at rest already."""
+    """Says, in place of damage.reference.rest_cache.Rest, whether a wall is at rest already."""
 
     def __init__(self, is_at_rest):
         self._is_at_rest = is_at_rest

@@ -1,6 +1,7 @@
 """Command `python3 -m damage reference WALL.py [MOTION] [OPTIONS]`: a run in the reference solver,
 or many."""
 
+from collections import OrderedDict
 from functools import partial
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from damage.memory import hold_buffers
 from damage.provenance import shown_path
 from damage.reference.ensembles import move
 from damage.reference.lanes import MOST_LANES
-from damage.reference.rest_cache import RestCache
+from damage.reference.rest_cache import Rest
 from damage.reference.solver import ReferenceSolver
 from damage.run.cooperative import as_they_end
 from damage.run.options import parse_run
@@ -77,13 +78,14 @@ def run_references(
     taken when a run can begin, and (None, None) means that there is none now; if no run is in
     progress then, all ends.  histories:
     {name: HistoryInMemory or HistoryKept} of runs whose histories are wanted in memory; the class
-    is replaced by the object.  settled: RestCache of earlier runs.  watch: called now and then with
-    a run's name and the share of it that is simulated.  processes: that do so at once.
+    is replaced by the object.  settled: checkpoints of earlier runs, as of Rest.  watch: called now
+    and then with a run's name and the share of it that is simulated.  processes: that do so at
+    once.
 
     Yields (name, exit status) of each run as it ends.  No run begins after an interrupt.
     """
     histories = {} if histories is None else histories
-    settled = settled or RestCache()
+    settled = OrderedDict() if settled is None else settled
     names = []
     interrupted = []
 
@@ -127,4 +129,4 @@ def _run(name, line, histories, settled, keep_going):
     )
     if name in histories:
         histories[name] = prepared.writer
-    return (yield from simulate(prepared, keep_going, settled.rest(prepared)))
+    return (yield from simulate(prepared, keep_going, Rest(settled, prepared)))

@@ -1,6 +1,8 @@
 """Runs that advance together write the same histories as alone, whatever the others do."""
 
+from collections import OrderedDict
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from conftest import TINY, contents, wall_file, without_progress
 from damage import read_history
 from damage.mechanics.tables import HAS_FAILED
 from damage.reference import ensembles, lanes, rest_cache, session
-from damage.reference.rest_cache import RestCache
+from damage.reference.rest_cache import Rest
 from damage.reference.session import run_reference, run_references
 from damage.run.run import LOOK_STEPS
 
@@ -97,7 +99,7 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
     """The next point of a study begins so: the same joints, another motion.  The first run lays out
     a wall of its own, the others share parts of its layout."""
     wall_file(tiny, TINY.replace("0.6", "0.675"))
-    walls = RestCache()
+    walls = OrderedDict()
 
     def run(folder, numbers, words=""):
         (tmp_path / folder).mkdir()
@@ -121,14 +123,18 @@ def test_walls_at_rest_are_found_again_by_runs_that_begin_alike(tiny, tmp_path, 
 
 def test_settled_walls_that_take_too_much_room_go_the_oldest_first(monkeypatch):
     monkeypatch.setattr(rest_cache, "MOST_BYTES", 32)
-    kept = RestCache()
-    tables = {"place": np.zeros(1), "velocity": np.zeros(1)}
+    monkeypatch.setattr(rest_cache, "digest_of", lambda name: name)
+    kept = OrderedDict()
+    solver = SimpleNamespace(
+        checkpoint=lambda: {"place": np.zeros(1), "velocity": np.zeros(1)},
+        restore=lambda tables: None,
+    )
     for name in "abc":
-        kept.put(name, tables)
-    assert list(kept._checkpoints) == ["b", "c"]
-    kept.take("b")
-    kept.put("d", tables)
-    assert list(kept._checkpoints) == ["b", "d"]
+        Rest(kept, name).keep(solver, [])
+    assert list(kept) == ["b", "c"]
+    assert Rest(kept, "b").recall(solver) == () and Rest(kept, "a").recall(solver) is None
+    Rest(kept, "d").keep(solver, [])
+    assert list(kept) == ["b", "d"]
 
 
 def test_one_that_fails_is_named_and_disturbs_no_other(tiny, alone, tmp_path, monkeypatch, capsys):

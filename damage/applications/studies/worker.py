@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import time
-from collections import deque
+from collections import OrderedDict, deque
 from types import MappingProxyType
 
 from damage.applications.studies.conclude import conclude, draw
@@ -21,7 +21,6 @@ from damage.applications.studies.yade_process import run_yade
 from damage.errors import InputError, some_of
 from damage.history.in_memory import HistoryInMemory, HistoryKept
 from damage.memory import return_freed
-from damage.reference.rest_cache import RestCache
 from damage.reference.session import run_references
 from damage.run.checkpoint import checkpoint_path
 from damage.start import EXIT_INTERRUPTED, EXIT_OK
@@ -44,7 +43,7 @@ def work(connection, parent, lock, inputs=MappingProxyType({}), processes=1):
     end_with_parent(parent)
     os.chdir(ROOT)
     waiting = deque()
-    settled = RestCache()
+    settled = OrderedDict()
     while True:
         try:
             task = waiting.popleft() if waiting else connection.recv()
