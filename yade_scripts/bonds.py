@@ -148,12 +148,13 @@ class Bonds:
         model = self._scene.model
         rows = np.array(joints)
         advanced = np.empty((len(joints), len(AdvancedBond._fields)))
+        tables = self.tables._replace(states=self.tables.states[..., None])
         advance_bonds(
             rows,
             self._places(joints),
             np.array([self._slide(joint) for joint in joints]),
             model.closure,
-            self.tables,
+            tables,
             self._material,
             advanced,
         )

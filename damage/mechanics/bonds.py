@@ -7,6 +7,7 @@ import numpy as np
 
 from damage.law.joint_law import ContactState, LawParameters, advance, range_left
 from damage.mechanics.compiled import entry
+from damage.mechanics.simd import ONE, reader, store, writer
 
 
 class AdvancedBond(NamedTuple):
@@ -47,6 +48,11 @@ PLACE = 6
 """Numbers of a body's place: x and z [m], and its quaternion x, y, z, w."""
 
 
+SHEAR_STRESS = ContactState._fields.index("shear_stress")
+state_of = reader(ContactState, ContactState._fields)
+keep_state = writer(ContactState, ContactState._fields)
+
+
 class BondTables(NamedTuple):
     """Tables of all bonds, a row each.
 
@@ -60,7 +66,7 @@ class BondTables(NamedTuple):
         Whether the joint is upright.
     laws : (n, 6) array
         Stiffnesses [Pa/m], strengths [Pa] and fracture energies [J/m2], as of LawParameters.
-    states : (n, 10) array
+    states : (n, 10, 1) array
         ContactState; the shear stress is derived from `slid`.
     slid : (n,) array
         Plastic shear displacement [m].
@@ -100,11 +106,12 @@ def advance_bonds(rows, places, steps, closure, bonds, material, advanced):
         )
         law = law_of(bonds.laws[i], material)
         before = shear - bonds.slid[i] - steps[k]
-        old = state_of(bonds.states[i], law.shear_stiffness * before)
+        store(ONE, bonds.states, i, SHEAR_STRESS, law.shear_stiffness * before)
+        old = state_of(ONE, bonds.states, i)
         opening += closure[i]
         new, event = advance(opening, steps[k], old, law)
         bonds.slid[i] = shear - new.shear_stress / law.shear_stiffness
-        keep_state(bonds.states[i], new)
+        keep_state(ONE, bonds.states, i, True, new)
         left = range_left(new, law)
         stiffness = law.normal_stiffness
         if opening > 0.0 and not new.broken:
@@ -131,38 +138,6 @@ def law_of(numbers, material):
     """LawParameters of a row of `BondTables.laws`."""
     kn, ks, strength, cohesion, mode_i, mode_ii = numbers
     return LawParameters(kn, ks, strength, cohesion, material, mode_i, mode_ii, math.inf, 0.0)
-
-
-@entry
-def state_of(numbers, shear_stress):
-    """ContactState of a row of `BondTables.states`, with this shear stress [Pa]."""
-    sigma, _, slip, broken, at_limit, friction, fracture, kappa, gap, _ = numbers
-    return ContactState(
-        sigma,
-        shear_stress,
-        slip,
-        broken != 0.0,
-        at_limit != 0.0,
-        friction,
-        fracture,
-        kappa,
-        gap,
-        0.0,
-    )
-
-
-@entry
-def keep_state(numbers, state):
-    """Write a ContactState into a row of `BondTables.states`."""
-    numbers[0] = state.normal_stress
-    numbers[1] = state.shear_stress
-    numbers[2] = state.slip
-    numbers[3] = 1.0 if state.broken else 0.0
-    numbers[4] = 1.0 if state.at_limit else 0.0
-    numbers[5] = state.friction_work
-    numbers[6] = state.fracture_work
-    numbers[7] = state.kappa
-    numbers[8] = state.gap
 
 
 @entry
@@ -193,14 +168,8 @@ def moved(place, rest, arm):
     The rotation is the quaternion now times the inverse of that at rest, as a clump in YADE starts
     on permuted axes.
     """
-    x = place[2]
-    y = place[3]
-    z = place[4]
-    w = place[5]
-    x0 = rest[2]
-    y0 = rest[3]
-    z0 = rest[4]
-    w0 = rest[5]
+    px, pz, x, y, z, w = place
+    px0, pz0, x0, y0, z0, w0 = rest
     real = w * w0 + x * x0 + y * y0 + z * z0
     about_y = w0 * y - w * y0 - z * x0 + x * z0
     size = math.sqrt(real * real + about_y * about_y)
@@ -209,8 +178,8 @@ def moved(place, rest, arm):
     less = -2.0 * sine * sine  # cosine of the whole rotation, less one
     along = 2.0 * sine * cosine  # sine of the whole rotation
     return (
-        place[0] - rest[0] + less * arm[0] - along * arm[1],
-        place[1] - rest[1] + along * arm[0] + less * arm[1],
+        px - px0 + less * arm[0] - along * arm[1],
+        pz - pz0 + along * arm[0] + less * arm[1],
         cosine,
         sine,
     )
