@@ -44,7 +44,10 @@ def build(layout):
     supports.
     """
     interfaces, middle = _interfaces(layout)
-    contacts = _contacts(layout, middle)
+    points = layout.contacts
+    # Offsets follow the joint's axes: along +x in bed joints, along -z in head joints.
+    offset = np.where(points.upright, middle[1] - points.z, points.x - middle[0])
+    contacts = table(CONTACT, len(points), area=points.area, offset=offset)
     n_bodies = len(layout.bodies)
     n_modes = layout.strain.n_modes if layout.strain else 0
     tables = make_tables(
@@ -105,29 +108,15 @@ def cut_tables(layout, interfaces):
     )
 
 
-def _contacts(layout, middle):
-    """Table CONTACT; middle: (x, z) of the interface of each contact [m]."""
-    contacts = layout.contacts
-    return table(
-        CONTACT,
-        len(contacts),
-        area=contacts.area,
-        # Offsets follow the joint's axes: along +x in bed joints, along -z in head joints.
-        offset=np.where(contacts.upright, middle[1] - contacts.z, contacts.x - middle[0]),
-    )
-
-
 def _set_strengths(strengths, layout):
     """Fill the table STRENGTHS."""
     contacts = layout.contacts
     joint = layout.wall.joint
-    energies = (0.0, 0.0)
-    if joint.softens:
-        energies = (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     of_cuts = to_bits(layout.wall.brick.fracture_energy or 0.0)
     of_joints = np.where(contacts.tensile_strength == 0, 0.0, 1.0)
     mode_i, mode_ii = (
-        np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(energy)) for energy in energies
+        np.where(contacts.kind == CUT, of_cuts, of_joints * to_bits(energy or 0.0))
+        for energy in (joint.mode_i_fracture_energy, joint.mode_ii_fracture_energy)
     )
     strengths["normal_stiffness"] = contacts.normal_stiffness
     strengths["shear_stiffness"] = contacts.shear_stiffness

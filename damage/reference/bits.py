@@ -100,7 +100,8 @@ def digests(names):
 
 
 def _digests(case, out):
-    words = [str(shipped_path(case.wall)), *_placed(case.words), "--no-pictures", "--quiet"]
+    given = [str(shipped_path(word) or word) for word in (case.wall, *case.words.split())]
+    words = [*given, "--no-pictures", "--quiet"]
     seeds = [["--seed", str(seed)] for seed in range(MEMBERS)] if case.members else [[]]
     lines = {str(k): [*words, *seed, "--out", f"{out}_{k}.h5"] for k, seed in enumerate(seeds)}
     histories = dict.fromkeys(lines, HistoryInMemory)
@@ -119,11 +120,6 @@ def digests_of(histories):
     """{quantity: digest} of histories, one after the other."""
     runs = [values_of(history) for history in histories]
     return {quantity: _digest([values[quantity] for values in runs]) for quantity in runs[0]}
-
-
-def _placed(words):
-    """Words of options, with the paths of files that ship."""
-    return [str(shipped_path(word) or word) for word in words.split()]
 
 
 def values_of(history):
@@ -168,7 +164,7 @@ def published():
 
 
 def differing(digests, known):
-    """{run: its quantities whose digests differ from known ones}; found: of `digests`, known: of
+    """{run: its quantities whose digests differ from known ones}; digests: of `digests`, known: of
     `published`."""
     different = {}
     for (name, quantity), digest in digests.items():
@@ -179,7 +175,7 @@ def differing(digests, known):
 
 def verdict(digests, known):
     """One line: how many runs have the published bits on this machine, and what may be the cause
-    where some have not; found: of `digests`, known: of `published`."""
+    where some have not; digests: of `digests`, known: of `published`."""
     runs = {name for name, _ in digests}
     different = differing(digests, known)
     line = (

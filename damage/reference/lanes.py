@@ -20,7 +20,7 @@ from damage.mechanics import step as kernel
 from damage.mechanics import tables
 from damage.mechanics.factor import matrix_of
 from damage.mechanics.samples import Samples, Sampling
-from damage.mechanics.simd import EIGHT, ONE, WIDTH
+from damage.mechanics.simd import EIGHT, ONE, WIDTH, bits
 from damage.run.cooperative import WAITED
 
 MOST_LANES = WIDTH
@@ -104,7 +104,7 @@ class Lanes:
         """Advance the walls by their numbers of steps, a sequence for each, until the first has
         taken all; `samples_of` returns the samples."""
         walls = self.walls
-        begin = _as_bits(wall.taken == 0 for wall in walls)
+        begin = bits(np.array([wall.taken == 0 for wall in walls]))
         for wall in walls:
             if wall.taken == 0:
                 wall.earlier.clear()
@@ -218,11 +218,6 @@ def kind_of(wall):
     ]
     parts = [np.ascontiguousarray(values).tobytes() for values in shared]
     return hashlib.sha256(b"".join(parts)).digest()
-
-
-def _as_bits(flags):
-    """Flags of the walls as bits of an integer."""
-    return sum(1 << w for w, flag in enumerate(flags) if flag)
 
 
 def _in_turn(ends):

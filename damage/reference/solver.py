@@ -134,21 +134,13 @@ class ReferenceSolver(ReferenceWall, Solver):
         stiffness = self.system.bearings["stiffness"]
         force = self.system.bearings["force"]
         in_bearing = stiffness > 0
-        return (
-            0.5 * float(np.sum(force[in_bearing] ** 2 / stiffness[in_bearing]))
-            if in_bearing.any()
-            else 0.0
-        )
+        return 0.5 * float(np.sum(force[in_bearing] ** 2 / stiffness[in_bearing]))
 
     def _in_springs(self, displacement):
         """Elastic energy in the rotational springs between the moved top and the wall, (n,) [J]:
         work of the push that did not enter the wall."""
         stiffness, _, rest = self.system.turning[: displacement.shape[1]].T
-        return (
-            0.5 * np.sum((displacement[..., RIGID - 1] - rest) ** 2 * stiffness, axis=-1)
-            if stiffness.any()
-            else 0.0
-        )
+        return 0.5 * np.sum((displacement[..., RIGID - 1] - rest) ** 2 * stiffness, axis=-1)
 
     def forces(self):
         return (
