@@ -48,7 +48,8 @@ def read_state(path, layout, origin, solver):
             " solver of this version; run it again"
         )
     tables = unpacked(packed)
-    if any(tables[name].shape != table.shape for name, table in solver.saved_state().items()):
+    shapes = {name: table.shape for name, table in tables.items()}
+    if any(shapes.get(name) != table.shape for name, table in solver.saved_state().items()):
         raise InputError(
             f"--continue {path}: its state of the solver is that of a run with other options;"
             " expected the bricks, joints and options of this one; give them, or run it again"
