@@ -10,6 +10,7 @@ already in DIR are not run again.
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 from unittest import mock
 
@@ -68,7 +69,7 @@ MODULUS = MATERIALS["sarhosis-2021"].young_modulus
 class Law(NamedTuple):
     """bond: a case of `softened`; crushes: by the tested strength and the rule for its fracture
     energy; modulus: of the masonry [Pa], None as tested; scatter: coefficient of variation; of:
-    function in place of `layouts.scattered`."""
+    function of the wall and what `layouts.scattered` takes, in its place."""
 
     bond: str = "rule"
     crushes: bool = False
@@ -79,7 +80,7 @@ class Law(NamedTuple):
 
 def weaker_heads(wall, contacts, *scatters, share=0.3, usual=layouts.scattered):
     """Contacts whose head joints have 0.3 of the strengths."""
-    contacts = usual(wall, contacts, *scatters)
+    contacts = usual(contacts, *scatters)
     factor = np.where(contacts.kind == HEAD, share, 1.0)
     return replace(
         contacts,
@@ -191,8 +192,10 @@ def run(bench, name, label, law, words, seed=1):
     words = [*words, *held(name)]
     if law.scatter:
         words += ["--strength-cov", law.scatter, "--strength-seed", seed]
-    with mock.patch.object(layouts, "scattered", law.of or layouts.scattered):
-        return bench.run(wall_by(name, law), words, name, label)
+    wall = wall_by(name, law)
+    scattered = partial(law.of, wall) if law.of else layouts.scattered
+    with mock.patch.object(layouts, "scattered", scattered):
+        return bench.run(wall, words, name, label)
 
 
 def held(name):

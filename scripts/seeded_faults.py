@@ -48,7 +48,7 @@ FAULTS = [
             (
                 "wall",
                 "inertia of a brick by m (l^2 + h^2) / 6",
-                "damage/wall/layout.py",
+                "damage/wall/tables.py",
                 "mass * (length * length + height * height) / 12",
                 "mass * (length * length + height * height) / 6",
                 "test_layout",

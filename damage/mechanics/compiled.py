@@ -56,6 +56,7 @@ SOURCES = [
         "../law/states",
         "../wall/kinds",
         "../wall/split",
+        "../wall/tables",
     )
 ]
 """All files whose code or constants are compiled."""

@@ -609,7 +609,7 @@ def test_a_long_crack_is_mapped_as_one_piece_would_be(tmp_path, monkeypatch):
     )
     (pattern,) = read_cracks(tmp_path / "long.csv")
     in_parts = crack_mapping.map_cracks(pattern, small_layout())
-    monkeypatch.setattr(crack_mapping, "_TOGETHER", 10**9)
+    monkeypatch.setattr(crack_mapping, "_CHUNK", 10**9)
     at_once = crack_mapping.map_cracks(pattern, small_layout())
     assert in_parts.table.equals(at_once.table) and len(in_parts.table) > 5
     assert in_parts.unmapped_m == at_once.unmapped_m > 1

@@ -22,6 +22,7 @@ begin(YADE)  # before the slow imports, as yade_scripts.run does it
 from damage.motion import settlement
 from damage.run import settings
 from damage.run.checkpoint import Checkpoints
+from damage.run.run import Run
 
 SIGNALS = {"KILLED_AT": signal.SIGKILL, "INTERRUPTED_AT": signal.SIGINT}
 
@@ -30,16 +31,16 @@ def end_at(time_s, sign):
     """Have the run send itself a signal one look after its first checkpoint of a time of the run
     [s] or later."""
     times = []
-    write = Checkpoints.write
+    tables_of = Run.tables
 
-    def written(checkpoints, tables):
+    def tables(run):
         if times and times[-1] >= time_s:
             os.kill(os.getpid(), sign)
-        times.append(float(tables["last_time_s"]))
-        write(checkpoints, tables)
+        times.append(0.0 if run.stage == "static" else run.time)
+        return tables_of(run)
 
     Checkpoints.due = lambda checkpoints: True
-    Checkpoints.write = written
+    Run.tables = tables
 
 
 del sys.argv[0]
