@@ -64,6 +64,7 @@ def write_film(history, path, window_s=None, magnify=None):
     displacements, None for one that makes them visible and that all frames share.
     Raises InputError where there is no frame to show, the ending is another, or ffmpeg is missing.
     """
+    path = Path(path)
     check_magnify(magnify)
     writer = _writer(path)
     snapshots = choose_snapshots(history, window_s)

@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass
 from functools import cache, partial
+from pathlib import Path
 
 from jinja2.utils import htmlsafe_json_dumps
 
@@ -80,9 +81,11 @@ def write_report(paths, out=None, heading=Heading()):
     Raises InputError of a file that is no history or has no sample, of a folder without tables, and
     of another ending.
     """
+    paths = list(map(Path, paths))
     if out is None:
         first = paths[0]
         out = first / "report.html" if first.is_dir() else first.with_suffix(".html")
+    out = Path(out)
     if out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out {out}: expected a name that ends in .html; give it one")
     files, folders = (
